@@ -25,6 +25,8 @@ struct held {
 /* Arrays without a note lie on the host. */
 struct sleep {
     struct rest *rest;      /* [n_cloths] */
+    struct rest *was;       /* [n_cloths] when the step began */
+    int past;               /* the world's `past` then */
     struct held *held;      /* [n_cloths] */
     real *most;             /* scratch: [n_cloths] */
     int32_t *of;            /* scratch: [n_cloths] the island of each cloth */

@@ -31,6 +31,7 @@ int sleep_make(struct world *w)
     if (!s)
         return DRAPE_ENOMEM;
     s->rest = arena_take(a, ARENA_STATE, n, sizeof *s->rest);
+    s->was = arena_take(a, ARENA_STATE, n, sizeof *s->was);
     s->held = arena_take(a, ARENA_OTHER, n, sizeof *s->held);
     s->most = arena_take(a, ARENA_OTHER, bodies(w), sizeof *s->most);
     s->of = arena_take(a, ARENA_OTHER, n, sizeof *s->of);
@@ -67,6 +68,21 @@ void sleep_forget(struct world *w)
         s->held[k] = (struct held){0};
     }
     w->broad.awake = NULL;
+}
+
+void sleep_note(struct world *w)
+{
+    struct sleep *s = w->sleep;
+    memcpy(s->was, s->rest, (size_t)w->def.n_cloths * sizeof *s->was);
+    s->past = w->past;
+}
+
+void sleep_undo(struct world *w)
+{
+    struct sleep *s = w->sleep;
+    memcpy(s->rest, s->was, (size_t)w->def.n_cloths * sizeof *s->rest);
+    w->past = s->past;
+    sleep_forget(w);
 }
 
 /* §2: what is held. */
@@ -149,12 +165,12 @@ static void weigh_energy(struct world *w, int k)
     held->known = true;
 }
 
-/* Whether a step has to look who sleeps: someone does, is still held, or may
- * fall asleep in it. */
+/* Whether a step has to look who sleeps: someone does, is still held, has been
+ * woken since the state was loaded, or may fall asleep in it. */
 static bool matters(const struct world *w)
 {
     const struct sleep *s = w->sleep;
-    bool any = s->n > 0;
+    bool any = s->n > 0 || w->lagrange.n_resting > 0;
     for (int k = 0; k < w->def.n_cloths; k++)
         any |= s->held[k].on ||
                (w->def.n_cloths > 1 && s->rest[k].steps >= SLEEP_STEPS - 1);
@@ -164,7 +180,7 @@ static bool matters(const struct world *w)
 int sleep_hold(struct world *w)
 {
     struct sleep *s = w->sleep;
-    bool changed = false;
+    bool changed = s->n == 0 && w->lagrange.n_resting > 0;
     if (!matters(w))
         return DRAPE_OK;
     int status = take_streams(w);

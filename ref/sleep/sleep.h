@@ -16,6 +16,9 @@ void sleep_weigh(struct world *w, int k);
 void sleep_wake(struct world *w);
 /* The streams and energies hold another state than they did. */
 void sleep_forget(struct world *w);
+/* Keeps who is asleep when a step begins, and brings that back. */
+void sleep_note(struct world *w);
+void sleep_undo(struct world *w);
 /* Begins a step: holds the cloths that are asleep, and no others. */
 int sleep_hold(struct world *w);
 /* Begins a slice, when what is led has moved. */

@@ -27,10 +27,7 @@ static int take_start(struct world *w)
     if (!s->watch)
         s->watch = arena_take(w->arena, ARENA_STATE, w->def.n_cloths,
                               sizeof *s->watch);
-    if (!s->rest)
-        s->rest =
-            arena_take(w->arena, ARENA_STATE, w->def.n_cloths, sizeof *s->rest);
-    return s->watch && s->rest ? w->run->status(w->on) : DRAPE_ENOMEM;
+    return s->watch ? w->run->status(w->on) : DRAPE_ENOMEM;
 }
 
 /* Copies the streams of the state from one set to another. */
@@ -48,7 +45,6 @@ static void copy(const struct world *w, struct start *to,
     if (w->anchor)
         w->run->copy(w->on, to->anchor, from->anchor, cloths);
     memcpy(to->watch, from->watch, (size_t)w->def.n_cloths * sizeof *to->watch);
-    memcpy(to->rest, from->rest, (size_t)w->def.n_cloths * sizeof *to->rest);
 }
 
 /* Returns the world's own streams of the state. */
@@ -59,8 +55,7 @@ static struct start now(const struct world *w)
                           .past_x = w->past_x,
                           .past_v = w->past_v,
                           .watch = w->watch,
-                          .anchor = w->anchor,
-                          .rest = w->sleep->rest};
+                          .anchor = w->anchor};
 }
 
 /* Copies what contacts carry on. */
@@ -85,7 +80,6 @@ int restore_save(struct world *w)
     if (status != DRAPE_OK)
         return status;
     copy(w, s, &from);
-    s->past = w->past;
     s->near = w->near;
     status = copy_kept(w, &s->kept, &s->n_kept, &w->lagrange.kept[0],
                        w->lagrange.n_kept[0]);
@@ -97,11 +91,12 @@ void restore_start(struct world *w)
     const struct start *s = &w->start;
     struct start to = now(w);
     w->run->begin(w->on); /* a recorded lack of memory would stop the copies */
+    sleep_undo(w);
+    if (w->slicing.done == 0)
+        return; /* no slice was committed */
     copy(w, &to, s);
-    w->past = s->past;
     w->near = s->near;
     /* where there is no room they are forgotten: contacts begin anew */
     copy_kept(w, &w->lagrange.kept[0], &w->lagrange.n_kept[0], &s->kept,
               s->n_kept);
-    sleep_forget(w);
 }

@@ -8,7 +8,7 @@
 
 /* Keeps a copy of the state as the start of the step. DRAPE_OK or an error. */
 int restore_save(struct world *w);
-/* Sets the state to the kept start of the step. */
+/* Undoes a step that failed: the state is that of its start. */
 void restore_start(struct world *w);
 
 #endif

@@ -55,8 +55,6 @@ struct start {
     int64_t n_kept;
     double (*watch)[2]; /* [n_cloths]; NULL: no start was kept yet */
     vec *anchor;        /* [nc] or NULL */
-    struct rest *rest;  /* [n_cloths] */
-    int past;
     enum nearness near;
 };
 

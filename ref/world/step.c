@@ -66,6 +66,7 @@ static void begin(struct world *w, struct step *s)
         w->tracing->step = w->step;
         w->tracing->last = s->last;
     }
+    sleep_note(w);
     slice_begin(w);
     control_begin(w);
     if (sleep_all(w) && w->plan.led)
@@ -308,7 +309,7 @@ static int end(struct world *w, struct step *s)
     bool failed = s->status != DRAPE_OK || diverged;
     if (!s->asleep)
         control_end(w, failed);
-    if (failed && w->slicing.done > 0)
+    if (failed)
         restore_start(w);
     if (s->status != DRAPE_OK)
         return s->status;

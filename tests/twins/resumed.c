@@ -60,7 +60,7 @@ static const char *step_both(const struct ensemble *e, int k, drape_world *on,
     static struct recall m, n;
     drape_step_report s = {0};
     drape_contact_list none;
-    drape_world *told = k % 2 || r->asleep ? from : to;
+    drape_world *told = k % 2 ? from : to;
     memset(r, 0, sizeof *r);
     if (told == from)
         EXPECT(ensemble_call(from, e, k) == DRAPE_OK);

@@ -30,7 +30,7 @@ const char *test_undone_told(void)
     for (int how = 0; how < ENSEMBLE_HOWS - 1 && !failed; how++) {
         int undone[2] = {0};
         failed = check(how, undone);
-        EXPECT(failed || undone[1] > 2);
+        EXPECT(failed || undone[1] > 0);
     }
     return failed;
 }
