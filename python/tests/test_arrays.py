@@ -52,7 +52,7 @@ def test_old_consumers_are_told(tiny: Path) -> None:
     """DLPack before version 1 has no read-only arrays: torch 1.13 wrote to them."""
     world = drape.World(tiny)
     array = world.share()[0]
-    with pytest.raises(BufferError, match=r"give it numpy\.asarray"):
+    with pytest.raises(BufferError, match="give it a copy"):
         np.from_dlpack(Old(array))
     with pytest.warns(UserWarning, match="write to a copy"):
         drape.arrays._tell_read_only(drape.arrays.CUDA)

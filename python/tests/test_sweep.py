@@ -160,7 +160,8 @@ def test_a_worker_that_always_dies(tmp_path: Path) -> None:
     def watch() -> None:
         while not stop.wait(0.05):
             for process in processes("drape.sweeps.worker", parent=os.getpid()):
-                os.kill(process, signal.SIGKILL)
+                with contextlib.suppress(ProcessLookupError):  # it has ended
+                    os.kill(process, signal.SIGKILL)
 
     thread = threading.Thread(target=watch)
     thread.start()

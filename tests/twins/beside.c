@@ -21,7 +21,7 @@ static const char *make_both(struct ensemble *e, drape_world *world[2])
 static const char *check_still(int how, int *asleep, int *woke)
 {
     static struct ensemble e;
-    drape_world *world[2];
+    drape_world *world[2] = {NULL, NULL};
     drape_step_report r[2] = {{0}};
     ensemble_make(&e, how);
     e.cloth[ENSEMBLE_SLIDES].material.friction = e.d.obstacle.friction = 0;
@@ -55,7 +55,7 @@ static const char *check_twice(bool alone)
 {
     enum { CHANGES = 36, END = 72 };
     static struct ensemble e;
-    drape_world *world[2];
+    drape_world *world[2] = {NULL, NULL};
     drape_step_report r[2];
     int asleep[2] = {0, 0};
     ensemble_make(&e, 0);
@@ -136,7 +136,7 @@ static double apart(drape_world *const world[2])
 static const char *check_drift(int how, int *asleep)
 {
     static struct ensemble e;
-    drape_world *world[2];
+    drape_world *world[2] = {NULL, NULL};
     drape_step_report r[2] = {{0}};
     ensemble_make(&e, how);
     double thousandth = 1e-3 * e.d.cloth.material.thickness * 1.25;
