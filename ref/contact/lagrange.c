@@ -13,7 +13,7 @@
 #include "ref/world/state.h"
 
 /* §3: most linear systems of a slice; §4: of Newton's part after them, which
- * has to find where springs go; most trials of a line search. */
+ * starts far from balance; most trials of a line search. */
 enum { SOLVES = 12, NEWTONS = 40, TRIALS = 12 };
 static const real FORCING = R(0.1); /* §3.2: tolerance of a linear system */
 static const real NESTED = R(0.3);  /* §3.3: the inner residual is this part of
