@@ -583,7 +583,7 @@ def planted(texts):
     yield check_numbers, add(home, "/* As 31_response §2 says. */\n")
     yield check_numbers, add(page, "\nSee 31 §2.\n")
     thin = "real_min(real_abs(a), most)"
-    yield check_equivalents, edit("ref/base/thin.h", thin, thin.replace("(a)", "(b)"))
+    yield check_equivalents, edit("ref/base/packed.h", thin, thin.replace("(a)", "(b)"))
     yield check_equivalents, add("ci/mutants.equivalent", f"{home} | x | y | z\n")
     yield check_targets, add("spec/drape.h", "int drape_more(int many);\n")
     yield check_constants, edit("ref/contact/carry.c", "LEAST / y", "R(30.0) / y")

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Computes the 3 × 3 block of each pair of particles that a spring or a triple
  * couples. spec/cloth/blocks.md */
-#include "gpu/base/thin.cuh"
+#include "gpu/base/packed.cuh"
 #include "gpu/cloth/cloth.cuh"
 #include "gpu/cloth/rate.cuh"
 
@@ -22,7 +22,7 @@ struct parts {
  * through the predicted motion, in which they move apart by 2·way. */
 static __device__ vec direction(vec d, real l, vec way)
 {
-    real size = length(way), most = R(BLOCKS_TURN) * l;
+    real size = length(way), most = R(BLOCKS_ROTATION) * l;
     if (size > most)
         way = scale(most / size, way);
     vec e = add(d, way);
@@ -52,9 +52,9 @@ static __device__ struct parts with_triples(const struct blocks *s, int o,
 {
     const real *triple = s->triple + CELL_MASKS * o;
     int here = s->beside[p], there = s->beside[q];
-    real share = share_of(o, here), square = s->tau * s->tau;
-    a.b = share * a.b + 2 * square * (triple[here] + triple[there]);
-    a.c *= share;
+    real fraction = spring_fraction(o, here), square = s->tau * s->tau;
+    a.b = fraction * a.b + 2 * square * (triple[here] + triple[there]);
+    a.c *= fraction;
     return a;
 }
 
@@ -99,8 +99,8 @@ KERNEL blocks_kernel(const struct blocks &a, struct rate *rate)
             b = parts_of(&a, o, p, x, q);
         struct rate r = rate_of(&b);
         s[t] = block_of(r);
-        if (a.n_thin && t < n)
-            a.thin[o * a.count + p] = thin_of(b.c, b.b, b.u);
+        if (a.n_packed && t < n)
+            a.packed[o * a.count + p] = packed_of(b.c, b.b, b.u);
         if (rate && t < n)
             rate[o * a.count + p] = r;
         __syncthreads();

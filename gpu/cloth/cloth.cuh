@@ -25,7 +25,7 @@ static __host__ __device__ constexpr int forward_j(int o)
 
 /* §7: the share of a single spring's constant that belongs to the cells beside
  * it; cells: about its first particle. */
-static __device__ inline real share_of(int o, int cells)
+static __device__ inline real spring_fraction(int o, int cells)
 {
     int both = o == 0 ? 1 + 4 : 1 + 2;
     return o > 1 || (cells & both) == both ? R(1) : R(0.5);

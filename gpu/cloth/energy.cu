@@ -21,7 +21,7 @@ static __device__ real stretched(const struct energy *s, int p)
         int q = p + forward_i(o) + forward_j(o) * s->m;
         real l = length(sub(s->x[q], here));
         real one = spring_energy(&s->law[o], s->piece, l);
-        e += s->triples ? share_of(o, cells) * one : one;
+        e += s->triples ? spring_fraction(o, cells) * one : one;
     }
     return e;
 }

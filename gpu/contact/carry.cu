@@ -69,7 +69,7 @@ KERNEL carry_kernel(const struct carry &s, int64_t *bad)
         *bad = 1;
         return;
     }
-    real thickness = surface_of(&s.skin, c->v).thickness;
+    real thickness = surface_of(&s.surfaces, c->v).thickness;
     real overlap = thickness - c->gap;
     c->target = (overlap > 0 ? CARRY_RISE * overlap : overlap) / s.dt;
     if (c->kappa > 0)

@@ -46,7 +46,7 @@ static __device__ inline bool any_free(const int32_t v[4], const real *w)
 }
 
 /* The largest thickness and the largest friction of the four vertices. */
-static __device__ inline struct surface surface_of(const struct skin *s,
+static __device__ inline struct surface surface_of(const struct surfaces *s,
                                                    const int32_t v[4])
 {
     struct surface r = s->surface[s->of[v[0]]];
@@ -70,9 +70,9 @@ static __device__ inline vec pair_sum(const struct contact *c, const vec *a)
 /* A new contact's impulses, multipliers and matrix: none. */
 static __device__ inline void clear_contact(struct contact *c)
 {
-    c->held = CONTACT_APART;
+    c->coupling = CONTACT_APART;
     c->impulse = c->lambda = c->load = c->kappa = c->rise = 0;
-    c->along = c->slide = 0;
+    c->stiffness_n = c->stiffness_t = 0;
     c->tangent = c->lambda_t = c->way = make(0, 0, 0);
 }
 

@@ -14,7 +14,7 @@ extern "C" {
  * whether it touches at the start already. */
 enum { HIT = 0, MISS = -1, RETEST = -2 };
 /* The words of the counts. BAD: not 0 if a vertex or a kind is out of range. */
-enum { BAD, HITS, LED, RETESTS, WORDS };
+enum { BAD, HITS, PRESCRIBED, RETESTS, WORDS };
 
 /* The candidates that the narrow phase tests with x0 as start and end. */
 struct retest {
@@ -40,7 +40,7 @@ KERNEL impacts_decide_kernel(const struct impacts &s, int64_t *words)
         bool free = any_free(v, s.w);
         bool later = s.toi[k] > 0;
         at = !free ? MISS : later ? HIT : RETEST;
-        count_up(&words[!free ? LED : later ? HITS : RETESTS], 1);
+        count_up(&words[!free ? PRESCRIBED : later ? HITS : RETESTS], 1);
     }
     s.at[k] = at;
 }
@@ -153,7 +153,7 @@ int gpu_impacts(struct gpu *g, struct impacts *s)
     int64_t asks = seen[RETESTS];
     int status = gpu_status(g);
     s->found = seen[HITS];
-    s->led = seen[LED];
+    s->prescribed = seen[PRESCRIBED];
     s->started = 0;
     if (asks && status == DRAPE_OK)
         status = retest_start(g, s, asks);

@@ -4,8 +4,8 @@
 #include "gpu/base/cluster.cuh"
 #include "gpu/base/compact.cuh"
 #include "gpu/base/scan.cuh"
-#include "gpu/contact/foot.cuh"
 #include "gpu/contact/keys.cuh"
+#include "gpu/contact/one_ring.cuh"
 
 extern "C" {
 #include "ref/contact/impulses.h"
@@ -60,25 +60,25 @@ static __device__ struct wide own_normal(const struct impact *m, int kind,
     return closing > 0 ? scale(-1, n) : n;
 }
 
-/* §2.3: n, or where it is no normal of the led side's surface, the normal of
- * the triangle there that it is most along. */
+/* §2.3: n, or where it is no normal of the prescribed side's surface, the
+ * normal of the triangle there that it is most along. */
 static __device__ struct wide turned(const struct impulses *s, int64_t k,
                                      const int32_t v[4], const struct impact *m,
                                      const double c[4], struct wide n)
 {
     int split = s->kind[k] == CONTACT_VF ? 1 : 2;
-    bool led[2];
-    find_led(s->w, split, v, led);
-    if (!led[0] && !led[1])
+    bool prescribed[2];
+    find_prescribed(s->w, split, v, prescribed);
+    if (!prescribed[0] && !prescribed[1])
         return n;
     struct moving at = {s->x0, s->x1, (double)s->toi[k] * 0x1p-30};
-    struct foot f =
-        foot_find_at(split, !led[0], v, m->x, c, led[0] ? scale(-1, n) : n);
+    struct closest_point f = closest_point_find_at(
+        split, !prescribed[0], v, m->x, c, prescribed[0] ? scale(-1, n) : n);
     struct wide t = f.p;
-    if (foot_is_nearest(at, &s->fan, &f, FOOT_LED) ||
-        !foot_turn(at, &s->fan, &f, 0, &t))
+    if (closest_point_is_local(at, &s->one_rings, &f, CLOSEST_PRESCRIBED) ||
+        !closest_point_normal(at, &s->one_rings, &f, 0, &t))
         return n;
-    if (led[0])
+    if (prescribed[0])
         t = scale(-1, t);
     bool good = dot(t, weighted_sum(c, m->way)) <= 0 &&
                 dot(t, weighted_sum(c, m->from)) >= 0;
@@ -104,15 +104,15 @@ static __device__ struct contact contact_of(const struct impulses *s, int64_t k)
     place(s, v, (double)s->toi[k] * 0x1p-30, &m);
     struct closest r = nearest(m.x, kind);
     struct wide n = normal_of(s, k, v, &m, r.c);
-    struct surface skin = surface_of(&s->skin, v);
+    struct surface surface = surface_of(&s->surfaces, v);
     for (int j = 0; j < 4; j++)
         c.v[j] = v[j];
     c.kind = kind;
     nearest_weights(&r, kind, c.c);
     c.n = narrowed(n);
     c.gap = (real)dot(n, weighted_sum(r.c, m.from));
-    c.target = (s->margin * skin.thickness - c.gap) / s->dt;
-    c.friction = skin.friction;
+    c.target = (s->margin * surface.thickness - c.gap) / s->dt;
+    c.friction = surface.friction;
     clear_contact(&c);
     return c;
 }

@@ -60,7 +60,7 @@ KERNEL rounds_settle_kernel(const struct response &s, struct contact *contact)
 {
     ITEM(k, s.active);
     struct contact *c = &contact[k];
-    real keep = s.margin * surface_of(&s.skin, c->v).thickness;
+    real keep = s.margin * surface_of(&s.surfaces, c->v).thickness;
     c->target = min_of(c->target, (keep - c->gap) / s.dt);
 }
 

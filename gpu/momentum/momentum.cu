@@ -123,8 +123,8 @@ int gpu_islands(struct gpu *g, struct islands *s)
 KERNEL spin_kernel(const struct spin &s)
 {
     ITEM(p, s.count);
-    vec turn = cross(s.dw, sub(s.x[p], s.centre));
-    vec to = add(scale(s.keep, s.v[p]), add(s.dv, turn));
+    vec rotation = cross(s.dw, sub(s.x[p], s.centre));
+    vec to = add(scale(s.keep, s.v[p]), add(s.dv, rotation));
     s.to[p] = s.w[p] > 0 ? to : s.v[p];
 }
 

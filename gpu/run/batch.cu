@@ -45,15 +45,15 @@ void *gpu_batch_pinned(struct gpu *g)
  * is held. */
 static void meet_workers(struct batch *b, void (*last)(struct batch *b))
 {
-    int64_t turn = b->turns;
+    int64_t turn = b->generation;
     if (++b->arrived < b->workers) {
-        while (b->turns == turn)
+        while (b->generation == turn)
             pthread_cond_wait(&b->turn, &b->lock);
         return;
     }
     last(b);
     b->arrived = 0;
-    b->turns++;
+    b->generation++;
     pthread_cond_broadcast(&b->turn);
 }
 

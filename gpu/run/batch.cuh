@@ -82,7 +82,7 @@ struct batch {
     pthread_mutex_t lock;
     pthread_cond_t turn;
     int arrived;
-    int64_t turns;
+    int64_t generation;
     bool left; /* a world is not over */
 
     /* How launches become one, gpu/run/gather.cu. */

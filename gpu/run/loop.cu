@@ -117,17 +117,17 @@ static cudaError_t capture_loop(struct gpu *g, cudaGraph_t graph,
 {
     struct while_node w;
     cudaError_t error = add_while(graph, &w), tied = cudaSuccess;
-    auto look = [&] {
+    auto test = [&] {
         loop_kernel<<<1, 1, 0, g->stream>>>(w.handle, of->again);
     };
     auto turn = [&] {
         int done = of->turn.run(of->turn.with);
-        look();
+        test();
         return done;
     };
     auto first = [&] {
         int done = of->first.run(of->first.with);
-        look();
+        test();
         tied = put_after(g->stream, &w);
         return done;
     };

@@ -8,7 +8,7 @@
 #define GPU_EDGES_CUH
 
 #include "gpu/base/cluster.cuh"
-#include "gpu/base/thin.cuh"
+#include "gpu/base/packed.cuh"
 #include "gpu/solve/grid.cuh"
 
 extern "C" {
@@ -132,9 +132,9 @@ static __device__ inline vec add_by_lanes(vec y, const vec less[EACH],
                                           const vec plus[EACH], int lane)
 {
     UNROLL
-    for (int turn = 0; turn < LANES; turn++) {
-        vec below = turn ? lane_below<APART>(y) : y;
-        if (lane != turn)
+    for (int step = 0; step < LANES; step++) {
+        vec below = step ? lane_below<APART>(y) : y;
+        if (lane != step)
             continue;
         y = below;
         UNROLL

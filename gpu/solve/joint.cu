@@ -53,7 +53,7 @@ struct solve {
     vec *r, *p[2], *q, *dv;
     const vec *b;  /* or the r of MEASURE */
     const real *w; /* [nv] 1/kg, 0: fixed */
-    const sym *hold, *wall;
+    const sym *bound, *single;
     real *item, *chunk;
     int32_t task;
     int32_t touch; /* 1: there are contacts */
@@ -202,7 +202,7 @@ static struct pcg part_of(const struct joint_system *w,
     const struct joint *a = w->joint;
     struct pcg p = s->pcg;
     p.n_extra = p.count;
-    p.extra = a->hold + s->first;
+    p.extra = a->bound + s->first;
     p.r = a->r + s->first;
     p.dv = a->dv + s->first;
     p.n_z = 0;
@@ -244,7 +244,7 @@ static int alike(const struct joint_system *w, int k)
         const struct pcg *b = &w->part[k + n].pcg;
         if (a->m != b->m || a->n != b->n || b->n_cdf || w->part[k + n].rate ||
             a->precond != b->precond || a->triples != b->triples ||
-            a->n_thin != b->n_thin)
+            a->n_packed != b->n_packed)
             break;
     }
     return n;
@@ -317,7 +317,7 @@ static void search(const struct joint_system *w, const struct solve *a,
     each_cloth(w, [&](int k) {
         const struct joint_part *s = &w->part[k];
         struct pcg p = part_of(w, s);
-        p.extra = w->joint->wall + s->first;
+        p.extra = w->joint->single + s->first;
         p.q = a->q + s->first;
         gpu_pcg_search(g, &p,
                        {a->c, s->rate, from + s->first, to + s->first,
@@ -455,7 +455,7 @@ static void write_solve(struct solve *a, const struct joint_system *w,
     a->task = task;
     a->touch = task == SOLVE && s->links.n > 0;
     a->epoch = s->epoch;
-    a->hold = s->hold;
+    a->bound = s->bound;
     if (task == SET_UP)
         return;
     a->c = (struct joint_state *)gpu_words(w->gpu);
@@ -469,7 +469,7 @@ static void write_solve(struct solve *a, const struct joint_system *w,
     a->dv = s->dv;
     a->b = b;
     a->w = w->w;
-    a->wall = s->wall;
+    a->single = s->single;
     a->item = s->item;
     a->chunk = s->chunk;
     if (w->n > 1 || w->part[0].pcg.count < s->nc)

@@ -11,14 +11,14 @@
  * On a small grid a readback takes longer than iterations that turn out to be
  * superfluous. */
 enum {
-    TURN = 8,
-    TURN_MOST = 32,
-    TURN_GRID = 4,
-    TURN_LOOP = 2,
+    CHUNK = 8,
+    CHUNK_MOST = 32,
+    CHUNK_GRID = 4,
+    CHUNK_LOOP = 2,
     SMALL_GRID = 1 << 17
 };
 
-static_assert(TURN % (int)RING == 0 && TURN_MOST % (int)RING == 0, "turns");
+static_assert(CHUNK % (int)RING == 0 && CHUNK_MOST % (int)RING == 0, "turns");
 static_assert(sizeof(struct pcg_state) <= GPU_WORDS * sizeof(int64_t), "words");
 
 /* §3: to = s + β p, q = A to, and the sum of to·q. */
@@ -53,8 +53,8 @@ static void iterate(struct gpu *g, struct pcg *s, struct pcg_state *c,
 
 /* Queues a turn: iterations, which are numbered from `queued` on, then the true
  * residual. */
-static void take_turn(struct gpu *g, struct pcg *s, struct pcg_state *c,
-                      struct scratch scratch, int queued, int iterations)
+static void queue_chunk(struct gpu *g, struct pcg *s, struct pcg_state *c,
+                        struct scratch scratch, int queued, int iterations)
 {
     if (scratch.jacobi)
         LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_jacobi_kernel, *s, c,
@@ -117,12 +117,12 @@ static int queue(struct gpu *g, struct pcg *s, struct pcg_state *c,
     struct solve_key key;
     auto first = [&] {
         int status = prepare(g, s, c, scratch);
-        take_turn(g, s, c, scratch, 0, iterations);
+        queue_chunk(g, s, c, scratch, 0, iterations);
         return status;
     };
     auto turn = [&] {
-        take_turn(g, s, c, scratch, 0,
-                  scratch.jacobi ? (int)TURN_MOST : (int)TURN_LOOP);
+        queue_chunk(g, s, c, scratch, 0,
+                    scratch.jacobi ? (int)CHUNK_MOST : (int)CHUNK_LOOP);
         return (int)DRAPE_OK;
     };
     write_key(&key, s, c, &scratch);
@@ -139,15 +139,15 @@ static struct pcg_state solve(struct gpu *g, struct pcg *s,
 {
     struct pcg_state *c = (struct pcg_state *)gpu_words(g), seen = {};
     bool small = s->count <= SMALL_GRID;
-    int queued = scratch.jacobi ? TURN : small ? TURN_GRID : TURN_LOOP;
+    int queued = scratch.jacobi ? CHUNK : small ? CHUNK_GRID : CHUNK_LOOP;
     *status = queue(g, s, c, scratch, queued);
     if (*status == DRAPE_OK)
         seen = read_state(g);
     while (*status == DRAPE_OK && seen.phase != PHASE_DONE) {
         scratch.jacobi = s->precond == DRAPE_JACOBI || seen.fell_back;
-        int grids = small ? TURN_GRID : 1;
-        int iterations = scratch.jacobi ? TURN_MOST : grids;
-        take_turn(g, s, c, scratch, queued, iterations);
+        int grids = small ? CHUNK_GRID : 1;
+        int iterations = scratch.jacobi ? CHUNK_MOST : grids;
+        queue_chunk(g, s, c, scratch, queued, iterations);
         queued += iterations;
         seen = read_state(g);
         if (gpu_status(g) != DRAPE_OK)

@@ -118,9 +118,9 @@ static __device__ inline void enter(const struct pcg *s, struct pcg_state *c,
         if (c->first && !c->fell_back)
             c->from = max_of(next, c->from);
         c->recurrence = root(next / c->from);
-        bool near = c->recurrence <= s->tolerance &&
-                    root(c->left / c->most) <= s->tolerance;
-        if (next == 0 || near) {
+        bool converged = c->recurrence <= s->tolerance &&
+                         root(c->left / c->most) <= s->tolerance;
+        if (next == 0 || converged) {
             end(c, PCG_CONVERGED);
             return;
         }

@@ -11,7 +11,7 @@ extern "C" {
 #include "ref/solve/residual.h"
 }
 
-static __device__ inline struct wide whole(const struct residual *s, int p)
+static __device__ inline struct wide solution(const struct residual *s, int p)
 {
     struct wide x = widen(s->x[p]), low = widen(s->low[p]);
     return wide3(x.x + low.x, x.y + low.y, x.z + low.z);
@@ -31,7 +31,7 @@ static __device__ inline vec left_over(const struct residual *s,
                                        struct place at)
 {
     struct grid g = {s->m, s->n};
-    struct wide x = whole(s, at.p);
+    struct wide x = solution(s, at.p);
     struct wide r = axpy(widen(s->b[at.p]), -(double)s->mass[at.p], x);
     if (s->n_extra)
         r = less(r, s->extra[at.p], x);
@@ -40,9 +40,9 @@ static __device__ inline vec left_over(const struct residual *s,
         int di = forward_i(o), dj = forward_j(o);
         int before = at.p - (di + g.m * dj), after = at.p + (di + g.m * dj);
         if (within(g, at.i - di, at.j - dj))
-            r = less(r, fetch(block + before), sub(x, whole(s, before)));
+            r = less(r, fetch(block + before), sub(x, solution(s, before)));
         if (within(g, at.i + di, at.j + dj))
-            r = less(r, fetch(block + at.p), sub(x, whole(s, after)));
+            r = less(r, fetch(block + at.p), sub(x, solution(s, after)));
     }
     return narrowed(r);
 }

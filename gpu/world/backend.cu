@@ -9,9 +9,9 @@ extern "C" {
 #include "gpu/contact/queue.h"
 #include "gpu/contact/rounds.h"
 #include "gpu/contact/unknowns.h"
-#include "gpu/sleep/rouse.h"
+#include "gpu/sleep/wake.h"
 #include "gpu/world/backend.h"
-#include "gpu/world/led.h"
+#include "gpu/world/prescribed.h"
 #include "gpu/world/systems.h"
 #include "ref/narrow/audit.h"
 }
@@ -141,7 +141,7 @@ static void energy(void *on, struct sheet *s, const vec *x, const vec *v,
 static int ask(void *on, struct broad *b, const vec *x0, const vec *x1, real r,
                bool *apart)
 {
-    return gpu_broad_whole_apart(gpu_of(on), b, x0, x1, r, apart);
+    return gpu_broad_meshes_apart(gpu_of(on), b, x0, x1, r, apart);
 }
 
 static int query(void *on, struct broad *b, const vec *x0, const vec *x1,
@@ -190,23 +190,23 @@ static void lessen(void *on, int64_t n, real part, const vec *q, vec *r)
 static void pin(void *on, int64_t n, const int32_t *pinned, const vec *x,
                 vec *to)
 {
-    gpu_led_pin(gpu_of(on), n, pinned, x, to);
+    gpu_prescribed_pin(gpu_of(on), n, pinned, x, to);
 }
 
 static void blend(void *on, const struct blend *s)
 {
-    gpu_led_blend(gpu_of(on), s);
+    gpu_prescribed_blend(gpu_of(on), s);
 }
 
 static void keep(void *on, int64_t n, const uint8_t *fixed, const vec *old,
                  vec *a)
 {
-    gpu_led_keep(gpu_of(on), n, fixed, old, a);
+    gpu_prescribed_keep(gpu_of(on), n, fixed, old, a);
 }
 
 static bool sane(void *on, int64_t n, const vec *a)
 {
-    return gpu_led_sane(gpu_of(on), n, a);
+    return gpu_prescribed_sane(gpu_of(on), n, a);
 }
 
 static void fetch(void *on, void *host, const void *from, size_t bytes)
@@ -222,40 +222,41 @@ static void laws(void *on, struct sheet *s)
 static bool differs(void *on, int64_t n, const int32_t *at, const vec *x0,
                     const vec *x1)
 {
-    return gpu_led_differs(gpu_of(on), n, at, x0, x1);
+    return gpu_prescribed_differs(gpu_of(on), n, at, x0, x1);
 }
 
-static void rouse(void *on, struct rouse *s)
+static void find_disturbed(void *on, struct wake *s)
 {
-    gpu_rouse_near(gpu_of(on), s);
+    gpu_wake_find(gpu_of(on), s);
 }
 
-static void mask(void *on, int64_t n, const uint16_t *body,
-                 const uint8_t *awake, uint8_t *to)
+static void set_mask(void *on, int64_t n, const uint16_t *body,
+                     const uint8_t *awake, uint8_t *to)
 {
-    gpu_rouse_mask(gpu_of(on), n, body, awake, to);
+    gpu_wake_mask(gpu_of(on), n, body, awake, to);
 }
 
-static void ways(void *on, int64_t n, const uint16_t *body, const vec *x0,
-                 const vec *x1, int bodies, real *most)
+static void find_displacements(void *on, int64_t n, const uint16_t *body,
+                               const vec *x0, const vec *x1, int bodies,
+                               real *most)
 {
-    gpu_rouse_ways(gpu_of(on), n, body, x0, x1, bodies, most);
+    gpu_wake_displacements(gpu_of(on), n, body, x0, x1, bodies, most);
 }
 
 static void velocities(void *on, int64_t n, const vec *x0, const vec *x1,
                        real dt, vec *v)
 {
-    gpu_led_velocities(gpu_of(on), n, x0, x1, dt, v);
+    gpu_prescribed_velocities(gpu_of(on), n, x0, x1, dt, v);
 }
 
 static real furthest(void *on, int64_t n, const vec *x0, const vec *x1)
 {
-    return gpu_led_furthest(gpu_of(on), n, x0, x1);
+    return gpu_prescribed_furthest(gpu_of(on), n, x0, x1);
 }
 
 static int ending_streams(void *on, struct audit *s, int64_t nt, int64_t cloths)
 {
-    gpu_led_group(gpu_of(on), nt, cloths, (int32_t *)s->group);
+    gpu_prescribed_group(gpu_of(on), nt, cloths, (int32_t *)s->group);
     return gpu_status(gpu_of(on));
 }
 
@@ -294,7 +295,7 @@ extern const struct backend backend_gpu = {.take = take,
                                            .joint_set_up = gpu_systems_set_up,
                                            .joint_measure = gpu_systems_measure,
                                            .joint = gpu_systems_joint,
-                                           .broad_whole_apart = ask,
+                                           .broad_meshes_apart = ask,
                                            .broad_query = query,
                                            .start = start,
                                            .advance = advance,
@@ -310,11 +311,12 @@ extern const struct backend backend_gpu = {.take = take,
                                            .sane = sane,
                                            .fetch = fetch,
                                            .laws = laws,
-                                           .moves = gpu_led_moves,
+                                           .moves = gpu_prescribed_moves,
                                            .differs = differs,
-                                           .rouse = rouse,
-                                           .mask = mask,
-                                           .ways = ways,
+                                           .wake_find = find_disturbed,
+                                           .wake_mask = set_mask,
+                                           .wake_displacements =
+                                               find_displacements,
                                            .velocities = velocities,
                                            .furthest = furthest,
                                            .ending_streams = ending_streams};

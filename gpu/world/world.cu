@@ -9,7 +9,7 @@ extern "C" {
 #include "gpu/world/state.h"
 #include "ref/api/ops.h"
 #include "ref/control/control.h"
-#include "ref/control/heir.h"
+#include "ref/control/edit.h"
 #include "ref/control/list.h"
 #include "ref/sleep/sleep.h"
 #include "ref/world/checkpoint.h"
@@ -19,7 +19,7 @@ extern "C" {
 static int make(const drape_def *def, struct arena *arena, struct world **world,
                 drape_error *error)
 {
-    return gpu_make_heir(def, NULL, arena, world, error);
+    return gpu_make_edited(def, NULL, arena, world, error);
 }
 
 static void count(const struct world *w, drape_memory *m)
@@ -111,9 +111,9 @@ static int save(const struct world *w, drape_write *write, void *user)
 {
     struct world all = staged(w);
     int status = fetch(w);
-    if (w->told.armed) {
-        all.told.to = w->home->x1;
-        gpu_down(w->device->gpu, all.told.to, w->told.to,
+    if (w->targets.armed) {
+        all.targets.to = w->home->x1;
+        gpu_down(w->device->gpu, all.targets.to, w->targets.to,
                  (size_t)w->nv * sizeof *w->x0);
         status = gpu_status(w->device->gpu);
     }
@@ -126,8 +126,8 @@ static int load(struct world *w, drape_read_bytes *read, void *user)
     struct gpu *g = w->device->gpu;
     gpu_begin(g);
     int status = checkpoint_load(&all, read, user);
-    w->told.from = all.told.from; /* streams that may have been taken */
-    w->told.to = all.told.to;
+    w->targets.from = all.targets.from; /* streams that may have been taken */
+    w->targets.to = all.targets.to;
     w->to = all.to;
     w->lagrange = all.lagrange;
     if (status != DRAPE_OK)
@@ -186,7 +186,7 @@ const struct world_ops world_ops_gpu = {.make = make,
                                         .wake = sleep_wake,
                                         .set_wind = control_wind,
                                         .control = CONTROL_OPS,
-                                        .heir = HEIR_OPS(gpu_make_heir),
+                                        .edit = EDIT_OPS(gpu_make_edited),
                                         .contacts = list_contacts,
                                         .plan = plan_rows,
                                         .save = save,

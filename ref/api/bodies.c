@@ -22,26 +22,26 @@ static void end(drape_world *world, struct world *w)
 }
 
 static int make(drape_world *world, const drape_def *def,
-                const struct heir *heir, struct world **made,
+                const struct edited *edited, struct world **made,
                 drape_error *error)
 {
     struct threads threads;
     threads_begin(&threads, def->threads);
-    int status = world->ops->heir.make(def, heir, &world->arena, made, error);
+    int status = world->ops->edit.make(def, edited, &world->arena, made, error);
     if (status == DRAPE_OK)
-        status = world->ops->heir.inherit(*made, heir, error);
+        status = world->ops->edit.inherit(*made, edited, error);
     threads_end(&threads);
     return status;
 }
 
 /* Puts a world of this definition in the place of the handle's. */
 static int replace(drape_world *world, const drape_def *def,
-                   const struct heir *heir, drape_error *error)
+                   const struct edited *edited, drape_error *error)
 {
     struct world *made = NULL;
     struct arena old;
     arena_set_aside(&world->arena, &old);
-    int status = make(world, def, heir, &made, error);
+    int status = make(world, def, edited, &made, error);
     if (status != DRAPE_OK) {
         end(world, made);
         arena_free(&world->arena);
@@ -56,23 +56,23 @@ static int replace(drape_world *world, const drape_def *def,
 }
 
 /* Makes the change. On failure error, which may be NULL, gets a text. */
-static int change(drape_world *world, const struct edit *edit,
+static int change(drape_world *world, const struct scene_edit *edit,
                   drape_error *error)
 {
     drape_error own;
     drape_def def;
-    struct heir heir;
+    struct edited edited;
     struct arena arena;
     error = error ? error : &own;
     memset(error, 0, sizeof *error);
     world->arena.failed = false;
     arena_init(&arena, &world->arena.allocator);
     int status =
-        world->ops->heir.define(world->world, edit, &arena, &def, &heir);
+        world->ops->edit.define(world->world, edit, &arena, &def, &edited);
     if (status == DRAPE_OK)
         status = define_check(&def, error);
     if (status == DRAPE_OK)
-        status = replace(world, &def, &heir, error);
+        status = replace(world, &def, &edited, error);
     world->arena.taken += arena.taken;
     arena_free(&arena);
     if (status != DRAPE_OK && !error->text[0])
@@ -94,8 +94,8 @@ int drape_add_cloth(drape_world *world, const drape_cloth *cloth,
 {
     if (!world || !cloth)
         return refuse(error, !world ? "world is NULL" : "cloth is NULL");
-    int status =
-        change(world, &(struct edit){.cloth = cloth, .removed = -1}, error);
+    int status = change(
+        world, &(struct scene_edit){.cloth = cloth, .removed = -1}, error);
     if (status != DRAPE_OK)
         return status;
     record_cloth(world, cloth);
@@ -107,8 +107,9 @@ int drape_add_obstacle(drape_world *world, const drape_obstacle *obstacle,
 {
     if (!world || !obstacle)
         return refuse(error, !world ? "world is NULL" : "obstacle is NULL");
-    int status = change(
-        world, &(struct edit){.obstacle = obstacle, .removed = -1}, error);
+    int status =
+        change(world, &(struct scene_edit){.obstacle = obstacle, .removed = -1},
+               error);
     if (status != DRAPE_OK)
         return status;
     record_obstacle(world, obstacle);
@@ -119,7 +120,7 @@ int drape_remove(drape_world *world, int body)
 {
     if (!world || body < 0 || body >= world->bodies)
         return DRAPE_EARG;
-    int status = change(world, &(struct edit){.removed = body}, NULL);
+    int status = change(world, &(struct scene_edit){.removed = body}, NULL);
     if (status == DRAPE_OK)
         record_call(world, (struct record){.kind = RECORD_REMOVE, .at = body});
     return status;

@@ -19,26 +19,26 @@ struct given {
 
 /* A change of the bodies of a world: one of the first two, which is added, or
  * else the body to remove. */
-struct edit {
+struct scene_edit {
     const drape_cloth *cloth;
     const drape_obstacle *obstacle;
     int removed;
 };
 
 /* A world that takes the place of another one, whose bodies were changed. */
-struct heir {
+struct edited {
     const struct world *old;
     int32_t *from; /* [bodies] the body of the old world, -1: it is new */
     int added;     /* the new body, -1: none */
 };
 
-/* Bodies that are added and removed: ref/control/heir.h. */
-struct heir_ops {
-    int (*define)(const struct world *old, const struct edit *edit,
-                  struct arena *arena, drape_def *def, struct heir *heir);
-    int (*make)(const drape_def *def, const struct heir *heir,
+/* Bodies that are added and removed: ref/control/edit.h. */
+struct edit_ops {
+    int (*define)(const struct world *old, const struct scene_edit *edit,
+                  struct arena *arena, drape_def *def, struct edited *edited);
+    int (*make)(const drape_def *def, const struct edited *edited,
                 struct arena *arena, struct world **world, drape_error *error);
-    int (*inherit)(struct world *w, const struct heir *heir,
+    int (*inherit)(struct world *w, const struct edited *edited,
                    drape_error *error);
 };
 
@@ -73,7 +73,7 @@ struct world_ops {
     void (*wake)(struct world *w);
     int (*set_wind)(struct world *w, const drape_wind *wind);
     struct control_ops control;
-    struct heir_ops heir;
+    struct edit_ops edit;
     int (*contacts)(struct world *w, bool there, drape_contact_list *list);
     int (*plan)(const struct world *w, drape_plan_row *row, int capacity);
     int (*save)(const struct world *w, drape_write *write, void *user);

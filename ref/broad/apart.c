@@ -37,7 +37,7 @@ int apart_make(struct apart *a, const struct tree_scene *scene,
     a->n = roots;
     a->able = true;
     a->pair = arena_take(arena, ARENA_TREE, roots, sizeof *a->pair);
-    a->whole = arena_take(arena, ARENA_TREE, scene->meshes, sizeof *a->whole);
+    a->bounds = arena_take(arena, ARENA_TREE, scene->meshes, sizeof *a->bounds);
     if (arena->failed)
         return DRAPE_ENOMEM;
     for (int64_t k = 0; k < roots; k++) {
@@ -47,15 +47,15 @@ int apart_make(struct apart *a, const struct tree_scene *scene,
     }
     for (int32_t k = 0; k < scene->meshes; k++)
         if (scene->mesh[k].kind == TREE_STATIC && scene->mesh[k].tris)
-            a->whole[k].box = still_box(scene, &scene->mesh[k]);
+            a->bounds[k].box = still_box(scene, &scene->mesh[k]);
     return DRAPE_OK;
 }
 
 bool apart_all(const struct apart *a, real r)
 {
     for (int64_t k = 0; k < a->n; k++) {
-        const struct whole *m = &a->whole[a->pair[k][0]];
-        const struct whole *o = &a->whole[a->pair[k][1]];
+        const struct mesh_bounds *m = &a->bounds[a->pair[k][0]];
+        const struct mesh_bounds *o = &a->bounds[a->pair[k][1]];
         if (m == o ? !cones_apart(&m->tangents, r)
                    : box_meets(&m->box, &o->box, box_reach(r)))
             return false;

@@ -140,21 +140,21 @@ void broad_count_empty(struct broad *b)
     b->n = b->n_vf = b->n_both = b->visited = 0;
 }
 
-int broad_whole_apart(struct broad *b, const vec *x0, const vec *x1, real r,
-                      bool *apart)
+int broad_meshes_apart(struct broad *b, const vec *x0, const vec *x1, real r,
+                       bool *apart)
 {
     struct extent s = {.nv = b->nv,
                        .n_grid = b->map.n_grid,
                        .grid = b->map.grid,
                        .x0 = x0,
                        .x1 = x1,
-                       .whole = b->apart.whole};
+                       .bounds = b->apart.bounds};
     *apart = false;
     if (!b->apart.able)
         return DRAPE_OK;
     int status = ref_extent(&s);
-    trace_stage(b->trace, "extent", s.whole,
-                (size_t)s.n_grid * sizeof *s.whole);
+    trace_stage(b->trace, "extent", s.bounds,
+                (size_t)s.n_grid * sizeof *s.bounds);
     *apart = status == DRAPE_OK && apart_all(&b->apart, r);
     if (*apart)
         broad_count_empty(b);

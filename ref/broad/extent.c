@@ -90,7 +90,7 @@ static bool gather(const struct lanes *l, vec *lo, vec *hi)
 /* §1: bounds one grid at both ends of the step. Returns false where a position
  * is NaN or out of range. */
 static bool measure(const struct extent *s, const struct tree_grid *g,
-                    struct whole *w)
+                    struct mesh_bounds *w)
 {
     struct lanes end[2], u, v;
     int64_t row = 3 * (int64_t)g->m;
@@ -116,6 +116,6 @@ int ref_extent(struct extent *s)
 {
     bool good = true;
     for (int64_t k = 0; k < s->n_grid; k++)
-        good &= measure(s, &s->grid[k], &s->whole[k]);
+        good &= measure(s, &s->grid[k], &s->bounds[k]);
     return good ? DRAPE_OK : DRAPE_EDATA;
 }

@@ -281,7 +281,7 @@ int tree_build(const struct tree_scene *scene, struct arena *arena,
     if (status == DRAPE_OK)
         status = tree_own(scene, arena, p.own);
     if (status == DRAPE_OK)
-        status = tree_fan(scene, arena, &tree->fan);
+        status = tree_one_rings(scene, arena, &tree->one_rings);
     arena_give(arena, item);
     arena_give(arena, run);
     publish(&p, map);

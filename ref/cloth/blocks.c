@@ -21,7 +21,7 @@ static vec direction(const struct blocks *s, int64_t p, int64_t q, vec d,
     vec way = vec_make(0, 0, 0);
     if (s->n_q)
         way = vec_scale(R(0.5) * s->tau, vec_sub(s->q[q], s->q[p]));
-    real size = vec_length(way), most = R(BLOCKS_TURN) * length;
+    real size = vec_length(way), most = R(BLOCKS_ROTATION) * length;
     if (size > most)
         way = vec_scale(most / size, way);
     vec e = vec_add(d, way);
@@ -57,9 +57,9 @@ static struct parts with_triples(const struct blocks *s, int o, int64_t p,
                                  struct parts a)
 {
     int64_t q = p + spring_step(s->m, o);
-    real share = spring_share(o, s->beside[p]), square = s->tau * s->tau;
-    a.b = share * a.b + 2 * square * (middle(s, o, p) + middle(s, o, q));
-    a.c *= share;
+    real fraction = spring_fraction(o, s->beside[p]), square = s->tau * s->tau;
+    a.b = fraction * a.b + 2 * square * (middle(s, o, p) + middle(s, o, q));
+    a.c *= fraction;
     return a;
 }
 
@@ -81,7 +81,7 @@ static struct parts parts_of(const struct blocks *s, int o, int64_t p)
     return s->triples ? with_triples(s, o, p, a) : a;
 }
 
-static sym whole_block(const struct parts *s)
+static sym triple_block(const struct parts *s)
 {
     vec f = vec_scale(real_sqrt(real_max(s->c, 0)), s->u);
     return (sym){f.x * f.x + s->b, f.x * f.y, f.x * f.z,
@@ -95,9 +95,9 @@ int ref_blocks(struct blocks *s)
         EACH_ITEM
         for (int64_t p = 0; p < s->count; p++) {
             struct parts a = parts_of(s, o, p);
-            block[p] = whole_block(&a);
-            if (s->n_thin)
-                s->thin[o * s->count + p] = thin_make(a.c, a.b, a.u);
+            block[p] = triple_block(&a);
+            if (s->n_packed)
+                s->packed[o * s->count + p] = packed_make(a.c, a.b, a.u);
         }
     }
     return DRAPE_OK;

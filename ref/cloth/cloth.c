@@ -27,7 +27,7 @@ static bool has_cell(const drape_cloth *d, int64_t i, int64_t j)
 
 /* §4: the shares of the springs along u, v and each diagonal in the stiffness
  * per width, N/m, or in the bending stiffness, N·m. */
-struct share {
+struct moduli {
     double u, v, diagonal;
 };
 
@@ -36,23 +36,23 @@ struct angle {
     double c2, s2;
 };
 
-static struct share membrane(const drape_material *a, struct angle t)
+static struct moduli membrane(const drape_material *a, struct angle t)
 {
-    struct share s;
+    struct moduli s;
     s.diagonal = a->shear / (2 * t.c2 * t.s2);
     s.u = a->stretch - a->shear * t.c2 / t.s2;
     s.v = a->stretch - a->shear * t.s2 / t.c2;
     return s;
 }
 
-static struct share bending(const drape_material *a, struct angle t)
+static struct moduli bending(const drape_material *a, struct angle t)
 {
     double least = 6 * t.c2 * t.s2;
     if (2 * t.c2 * t.c2 > least)
         least = 2 * t.c2 * t.c2;
     if (2 * t.s2 * t.s2 > least)
         least = 2 * t.s2 * t.s2;
-    struct share s;
+    struct moduli s;
     s.diagonal = a->bend / least;
     s.u = a->bend - 2 * s.diagonal * t.c2 * t.c2;
     s.v = a->bend - 2 * s.diagonal * t.s2 * t.s2;
@@ -70,8 +70,8 @@ static void set_law(struct cloth *c, int o, double length, double stretch,
     double area = (double)c->hu * (double)c->hv;
     bool two = o >= SPRINGS_SINGLE;
     double rest = two ? 2 * length : length;
-    double share = c->triples ? !two : 0.5;
-    double k = share * stretch * area / (rest * rest);
+    double fraction = c->triples ? !two : 0.5;
+    double k = fraction * stretch * area / (rest * rest);
     double press = two ? 4 * k : k; /* of the single springs along it */
     double b = two && !c->triples ? bend * area / (rest * rest * rest) : 0;
     double slope = LAW_STEEPEST * b / rest;
@@ -85,17 +85,17 @@ static void set_law(struct cloth *c, int o, double length, double stretch,
 }
 
 /* §7: sets the constants of the triples of direction o. length: of a single
- * spring, m; moment: of the direction; whole: of the material, for borders
+ * spring, m; moment: of the direction; bend: of the material, for borders
  * that no diagonal triple has its middle on. N·m both. */
 static void set_triples(struct cloth *c, int o, double length, double moment,
-                        double whole)
+                        double bend)
 {
     double area = (double)c->hu * (double)c->hv;
     double square = length * length, unit = area / (square * square);
     for (unsigned b = 0; b < CELL_MASKS; b++) {
         double cells = (b & 1) + (b >> 1 & 1) + (b >> 2 & 1) + (b >> 3);
         bool alone = !has_triple(2, b) && !has_triple(3, b);
-        double k = (alone ? whole : moment) * unit * (cells / 4);
+        double k = (alone ? bend : moment) * unit * (cells / 4);
         c->triple[CELL_MASKS * o + (int)b] = has_triple(o, b) ? (real)k : 0;
     }
 }
@@ -111,8 +111,8 @@ int ref_cloth_laws(const drape_cloth *d, struct cloth *c)
 
     double square = hu * hu + hv * hv, diagonal = sqrt(square);
     struct angle t = {hu * hu / square, hv * hv / square};
-    struct share s = membrane(&d->material, t);
-    struct share b = bending(&d->material, t);
+    struct moduli s = membrane(&d->material, t);
+    struct moduli b = bending(&d->material, t);
     c->misfit = (struct misfit){.kind = MISFIT_OBLONG};
     if (!(s.u > 0 && s.v > 0))
         return DRAPE_EARG;
@@ -124,11 +124,11 @@ int ref_cloth_laws(const drape_cloth *d, struct cloth *c)
         set_law(c, two + 2, diagonal, s.diagonal, b.diagonal, leaning);
         set_law(c, two + 3, diagonal, s.diagonal, b.diagonal, leaning);
     }
-    double whole = d->material.bend;
-    set_triples(c, 0, hu, b.u, whole);
-    set_triples(c, 1, hv, b.v, whole);
-    set_triples(c, 2, diagonal, b.diagonal, whole);
-    set_triples(c, 3, diagonal, b.diagonal, whole);
+    double bend = d->material.bend;
+    set_triples(c, 0, hu, b.u, bend);
+    set_triples(c, 1, hv, b.v, bend);
+    set_triples(c, 2, diagonal, b.diagonal, bend);
+    set_triples(c, 3, diagonal, b.diagonal, bend);
     return measured_laws(&d->material, c);
 }
 

@@ -18,7 +18,7 @@ static real stretched(const struct energy *s, int64_t p)
         int64_t q = p + spring_step(s->m, o);
         real length = vec_length(vec_sub(s->x[q], s->x[p]));
         real one = law_energy(&s->law[o], s->piece, length);
-        e += s->triples ? spring_share(o, s->beside[p]) * one : one;
+        e += s->triples ? spring_fraction(o, s->beside[p]) * one : one;
     }
     return e;
 }

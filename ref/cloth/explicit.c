@@ -44,19 +44,19 @@ static void advance(struct dynamics *s, struct state from, const vec *rate,
 
 static void euler(struct dynamics *s, struct state *now, struct span t)
 {
-    const real whole[2] = {t.h, t.h};
+    const real full[2] = {t.h, t.h};
     force_make(s, now->x, now->v, now->v);
-    advance(s, *now, NULL, *now, whole, t.start + t.length);
+    advance(s, *now, NULL, *now, full, t.start + t.length);
 }
 
 static void midpoint(struct dynamics *s, struct state *now, struct state *next,
                      struct state mid, struct span t)
 {
-    const real half[2] = {t.h / 2, t.h / 2}, whole[2] = {t.h, t.h};
+    const real half[2] = {t.h / 2, t.h / 2}, full[2] = {t.h, t.h};
     force_make(s, now->x, now->v, now->v);
     advance(s, *now, now->v, mid, half, t.start + t.length / 2);
     force_make(s, mid.x, mid.v, mid.v);
-    advance(s, *now, mid.v, *next, whole, t.start + t.length);
+    advance(s, *now, mid.v, *next, full, t.start + t.length);
 }
 
 /* The second force is at the velocity that the first one predicts. */

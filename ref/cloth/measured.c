@@ -190,16 +190,16 @@ static void start_laws(const drape_material *a, const struct cloth *c,
 static void write_law(const struct curve *a, double area, struct law *law,
                       struct piece *piece)
 {
-    double rest = (double)law->rest, share = area / rest;
+    double rest = (double)law->rest, per_length = area / rest;
     double e = 0, f = 0, work = 0, stiff = (double)law->k;
     for (int k = 0; k < a->knots; k++) {
         double step = (a->strain[k] - e) * rest;
-        double rise = (a->force[k] - f) * share;
+        double rise = (a->force[k] - f) * per_length;
         piece[k] = (struct piece){.from = (real)(rest * (1 + e)),
                                   .slope = (real)(rise / step),
-                                  .pull = (real)(f * share),
+                                  .pull = (real)(f * per_length),
                                   .work = (real)work};
-        work += step * (f * share + 0.5 * rise);
+        work += step * (f * per_length + 0.5 * rise);
         stiff = rise / step > stiff ? rise / step : stiff;
         e = a->strain[k];
         f = a->force[k];

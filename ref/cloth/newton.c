@@ -83,7 +83,7 @@ static const vec *predicted(const struct motion *a)
 }
 
 /* Whether the matrix has the directions of half way (blocks.md §8). */
-static bool turns(const struct motion *a)
+static bool rotates(const struct motion *a)
 {
     return !a->s->kept && a->s->at == a->s->x && a->tau < LONGEST;
 }
@@ -105,12 +105,12 @@ static void blocks(struct motion *a)
                        .n_beside = c->triples ? c->count : 0,
                        .beside = c->beside,
                        .x = s->at,
-                       .n_q = turns(a) ? c->count : 0,
+                       .n_q = rotates(a) ? c->count : 0,
                        .q = predicted(a),
                        .tau = a->tau,
                        .block = s->block,
-                       .n_thin = s->thin ? SPRINGS * c->count : 0,
-                       .thin = s->thin};
+                       .n_packed = s->packed ? SPRINGS * c->count : 0,
+                       .packed = s->packed};
     note(a, a->run->blocks(a->on, &b));
     a->run->trace(a->on, "blocks", b.block,
                   (size_t)(SPRINGS * c->count) * sizeof *b.block);

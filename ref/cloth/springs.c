@@ -29,7 +29,7 @@ static vec pull(const struct springs *s, int o, int64_t p, int64_t q,
     if (s->n_v)
         f += a->damp * vec_dot(vec_sub(s->v[q], s->v[p]), u);
     if (s->triples)
-        f *= spring_share(o, s->beside[first]);
+        f *= spring_fraction(o, s->beside[first]);
     return vec_scale(f, u);
 }
 

@@ -4,15 +4,16 @@
 #include "ref/cloth/wind.h"
 
 /* The share of a corner in what a triangle has. */
-struct share {
+struct corner_load {
     vec force; /* N */
     real rate; /* kg/s */
 };
 
 /* §1, §3: a third of the force on triangle abc and of its resistance. */
-static struct share third(const struct wind *s, int64_t a, int64_t b, int64_t c)
+static struct corner_load third(const struct wind *s, int64_t a, int64_t b,
+                                int64_t c)
 {
-    struct share none = {vec_make(0, 0, 0), 0};
+    struct corner_load none = {vec_make(0, 0, 0), 0};
     vec ab = vec_sub(s->x[b], s->x[a]), ac = vec_sub(s->x[c], s->x[a]);
     vec area = vec_scale(R(0.5), vec_cross(ab, ac));
     vec sum = vec_add(vec_add(s->v[a], s->v[b]), s->v[c]);
@@ -25,8 +26,8 @@ static struct share third(const struct wind *s, int64_t a, int64_t b, int64_t c)
     vec across = vec_axpy(vec_scale(square, area), -flow, u);
     vec f = vec_scale(s->drag * through, u);
     f = vec_axpy(f, s->lift * (flow / size), across);
-    return (struct share){vec_scale(R(1.0 / 3), f),
-                          R(1.0 / 3) * ((s->drag + s->lift) * through)};
+    return (struct corner_load){vec_scale(R(1.0 / 3), f),
+                                R(1.0 / 3) * ((s->drag + s->lift) * through)};
 }
 
 /* §2: adds the shares of p in the triangles around it, in ascending order of
@@ -67,7 +68,7 @@ static real resist(const struct wind *s, int64_t p, int32_t i, int32_t j)
 }
 
 /* Sets the shares of triangle k, of number 2·p or 2·p + 1 in cell p. */
-static void put(const struct wind *s, int64_t k, struct share a)
+static void put(const struct wind *s, int64_t k, struct corner_load a)
 {
     s->part[k] = a.force;
     if (s->n_inertia)
@@ -79,7 +80,7 @@ int ref_wind(struct wind *s)
     int64_t m = s->m;
     EACH_ITEM
     for (int64_t p = 0; p < s->count; p++) {
-        struct share none = {vec_make(0, 0, 0), 0};
+        struct corner_load none = {vec_make(0, 0, 0), 0};
         bool is = s->cell[p];
         put(s, 2 * p, is ? third(s, p, p + 1, p + m + 1) : none);
         put(s, 2 * p + 1, is ? third(s, p, p + m + 1, p + m) : none);

@@ -77,7 +77,7 @@ int ref_carry(struct carry *s)
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++) {
         struct contact *c = &s->contact[k];
-        real thickness = skin_pair(&s->skin, c->v).thickness;
+        real thickness = surfaces_pair(&s->surfaces, c->v).thickness;
         real overlap = thickness - c->gap;
         c->target = (overlap > 0 ? CARRY_RISE * overlap : overlap) / s->dt;
         if (c->kappa > 0)

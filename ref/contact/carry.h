@@ -20,15 +20,15 @@ struct kept {
 };
 
 struct carry {
-    int64_t nv, n, n_kept;   /* vertices, contacts, what is kept; 4 n < 2^31 */
-    const real *w;           /* [nv] 1/kg, ≥ 0; 0: led */
-    struct skin skin;        /* of the vertices */
-    real dt, tau;            /* s, > 0: the slice, and the integrator's
-                                effective step */
-    real stiffest;           /* kg, > 0: the largest κ that a load asks for */
-    const struct kept *kept; /* [n_kept] by key, ascending */
-    struct contact *contact; /* [n] inout: target; of those whose kappa is 0
-                                lambda, lambda_t, load and kappa, too */
+    int64_t nv, n, n_kept;    /* vertices, contacts, what is kept; 4 n < 2^31 */
+    const real *w;            /* [nv] 1/kg, ≥ 0; 0: prescribed */
+    struct surfaces surfaces; /* of the vertices */
+    real dt, tau;             /* s, > 0: the slice, and the integrator's
+                                 effective step */
+    real stiffest;            /* kg, > 0: the largest κ that a load asks for */
+    const struct kept *kept;  /* [n_kept] by key, ascending */
+    struct contact *contact;  /* [n] inout: target; of those whose kappa is 0
+                                 lambda, lambda_t, load and kappa, too */
 };
 
 /* DRAPE_OK, or DRAPE_EARG for a bad vertex or setting. */
@@ -39,7 +39,7 @@ const struct kept *carry_find(const struct kept *kept, int64_t n,
 
 struct retain {
     int64_t nv, n;    /* vertices, contacts */
-    const real *w;    /* [nv] 1/kg, ≥ 0; 0: led */
+    const real *w;    /* [nv] 1/kg, ≥ 0; 0: prescribed */
     const vec *u, *v; /* [nv] m/s: mean velocity of the slice, and velocity at
                          its start */
     real most;        /* m/s, ≥ 0: a side that a contact changes by more was

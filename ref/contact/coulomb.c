@@ -46,7 +46,7 @@ static real push_of(const struct coulomb *s, const struct contact *c,
 
 /* §3.2: whether contact c moves one vertex alone, so that its matrix is a
  * block. */
-static bool is_wall(const struct coulomb *s, const struct contact *c)
+static bool is_single(const struct coulomb *s, const struct contact *c)
 {
     int moving = 0;
     for (int j = 0; j < 4; j++)
@@ -84,12 +84,15 @@ static void evaluate(const struct coulomb *s, int64_t k)
     real most = c->friction * c->load, size = vec_length(z);
     bool slides = size > most;
     c->tangent = slides ? vec_scale(most / size, z) : z;
-    c->along = c->impulse > 0 ? c->kappa / (1 + c->kappa * give_of(s, c)) : 0;
-    c->slide = slides ? c->kappa * (most / size) : most > 0 ? c->kappa : 0;
+    c->stiffness_n =
+        c->impulse > 0 ? c->kappa / (1 + c->kappa * give_of(s, c)) : 0;
+    c->stiffness_t = slides     ? c->kappa * (most / size)
+                     : most > 0 ? c->kappa
+                                : 0;
     c->way = slides ? vec_scale(1 / size, z) : vec_make(0, 0, 0);
-    c->held = !(c->along > 0 || c->slide > 0) ? CONTACT_APART
-              : is_wall(s, c)                 ? CONTACT_WALL
-                                              : CONTACT_MUTUAL;
+    c->coupling = !(c->stiffness_n > 0 || c->stiffness_t > 0) ? CONTACT_APART
+                  : is_single(s, c)                           ? CONTACT_SINGLE
+                                                              : CONTACT_MUTUAL;
     /* §2.3: what renewed multipliers would give */
     real load = c->impulse, next = push_of(s, c, load, lack);
     vec drag = cut(c->tangent, c->friction * load);
@@ -111,21 +114,21 @@ static real side_of(const struct coulomb *s, const struct contact *c, int j)
     return least;
 }
 
-/* §3.2: S/w_j·|c_j|, the factor of contact c in the hold of its vertex j. */
+/* §3.2: S/w_j·|c_j|, the factor of contact c in the bound of its vertex j. */
 static real part_of(const struct coulomb *s, const struct contact *c, int j)
 {
-    real share = 0;
+    real sum = 0;
     for (int i = 0; i < 4; i++)
         if (s->w[c->v[i]] > 0)
-            share += real_abs(c->c[i]) * side_of(s, c, i);
-    return share / side_of(s, c, j) * real_abs(c->c[j]);
+            sum += real_abs(c->c[i]) * side_of(s, c, i);
+    return sum / side_of(s, c, j) * real_abs(c->c[j]);
 }
 
-/* §3.2: what contact c adds to the hold of its vertex j. */
-static sym hold_of(const struct coulomb *s, const struct contact *c, int j)
+/* §3.2: what contact c adds to the bound of its vertex j. */
+static sym bound_of(const struct coulomb *s, const struct contact *c, int j)
 {
     real part = part_of(s, c, j);
-    real across = part * c->slide, d = part * c->along - across;
+    real across = part * c->stiffness_t, d = part * c->stiffness_n - across;
     vec n = c->n, z = c->way;
     sym r = {d * n.x * n.x + across - across * z.x * z.x,
              d * n.x * n.y - across * z.x * z.y,
@@ -148,14 +151,14 @@ static void gather(const struct coulomb *s, int64_t i)
         vec push = vec_axpy(c->tangent, c->impulse, c->n);
         force = vec_axpy(force, c->c[j], push);
         next = vec_axpy(next, c->c[j], s->next[at]);
-        if (!c->held)
+        if (!c->coupling)
             continue;
-        sym *to = &sum[c->held == CONTACT_WALL];
-        *to = sym_add(*to, hold_of(s, c, j));
+        sym *to = &sum[c->coupling == CONTACT_SINGLE];
+        *to = sym_add(*to, bound_of(s, c, j));
     }
     s->force[i] = force;
-    s->wall[i] = sum[1];
-    s->hold[i] = sym_add(sum[0], sum[1]);
+    s->single[i] = sum[1];
+    s->bound[i] = sym_add(sum[0], sum[1]);
     if (i >= s->nc)
         return;
     bool free = s->w[i] > 0;
@@ -190,7 +193,7 @@ int ref_coulomb(struct coulomb *s)
 static vec answer(const struct links *s, const struct contact *c)
 {
     vec v = pair_sum(c->v, c->c, s->x);
-    real a = c->along, b = c->slide;
+    real a = c->stiffness_n, b = c->stiffness_t;
     vec y = vec_axpy(vec_scale(b, v), (a - b) * vec_dot(c->n, v), c->n);
     return vec_axpy(y, -b * vec_dot(c->way, v), c->way);
 }
@@ -201,7 +204,7 @@ int ref_links(struct links *s)
         return DRAPE_EARG;
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++)
-        s->push[k] = s->contact[k].held == CONTACT_MUTUAL
+        s->push[k] = s->contact[k].coupling == CONTACT_MUTUAL
                          ? answer(s, &s->contact[k])
                          : vec_make(0, 0, 0);
     EACH_ITEM

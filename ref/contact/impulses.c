@@ -87,23 +87,24 @@ static struct wide own_normal(const struct impact *m, int64_t kind,
     return closing > 0 ? wide_scale(-1, n) : n;
 }
 
-/* §2.3: n, or where it is no normal of the led side's surface, the normal of
- * the triangle there that it is most along. */
+/* §2.3: n, or where it is no normal of the prescribed side's surface, the
+ * normal of the triangle there that it is most along. */
 static struct wide turned(const struct impulses *s, int64_t k,
                           const struct impact *m, const struct closest *r,
                           struct wide n)
 {
     const int32_t *v = s->pair + 4 * k;
-    int kind = s->kind[k], side = led_side(kind, v, s->w);
+    int kind = s->kind[k], side = prescribed_side(kind, v, s->w);
     if (side == SIDES)
         return n;
     struct places places = {s->x0, s->x1, (double)s->toi[k] * 0x1p-30};
-    struct foot f =
-        foot_find(v, side_start(kind, side), side_start(kind, side + 1), m->x,
-                  r->c, side == SIDE_A ? wide_scale(-1, n) : n);
+    struct closest_point f = closest_point_find(
+        v, side_start(kind, side), side_start(kind, side + 1), m->x, r->c,
+        side == SIDE_A ? wide_scale(-1, n) : n);
     struct wide t = f.p;
-    if (foot_is_nearest(&places, &s->fan, &f, FOOT_LED) ||
-        !foot_turn(&places, &s->fan, &f, 0, &t))
+    if (closest_point_is_local(&places, &s->one_rings, &f,
+                               CLOSEST_PRESCRIBED) ||
+        !closest_point_normal(&places, &s->one_rings, &f, 0, &t))
         return n;
     if (side == SIDE_A)
         t = wide_scale(-1, t);
@@ -113,8 +114,8 @@ static struct wide turned(const struct impulses *s, int64_t k,
 }
 
 /* §2: the closest points of impact k when it touches, and its normal. */
-static struct wide look_at(const struct impulses *s, int64_t k,
-                           struct impact *m, struct closest *r)
+static struct wide find_normal(const struct impulses *s, int64_t k,
+                               struct impact *m, struct closest *r)
 {
     place(s, s->pair + 4 * k, (double)s->toi[k] * 0x1p-30, m);
     if (s->kind[k] == CONTACT_VF)
@@ -130,13 +131,13 @@ static void emit(const struct impulses *s, int64_t k, struct contact *c)
     struct closest r;
     memcpy(c->v, s->pair + 4 * k, sizeof c->v);
     c->kind = s->kind[k];
-    struct wide n = look_at(s, k, &m, &r);
-    struct surface skin = skin_pair(&s->skin, c->v);
+    struct wide n = find_normal(s, k, &m, &r);
+    struct surface surface = surfaces_pair(&s->surfaces, c->v);
     closest_weights(&r, (int)c->kind, c->c);
     c->n = wide_round(n);
     c->gap = (real)wide_dot(n, weighted_sum(r.c, m.from));
-    c->target = (s->margin * skin.thickness - c->gap) / s->dt;
-    c->friction = skin.friction;
+    c->target = (s->margin * surface.thickness - c->gap) / s->dt;
+    c->friction = surface.friction;
     contact_clear(c);
 }
 
@@ -163,7 +164,7 @@ static struct wide aim_of(const struct impulses *s, int64_t k)
 {
     struct impact m;
     struct closest r;
-    return look_at(s, k, &m, &r);
+    return find_normal(s, k, &m, &r);
 }
 
 /* Whether vertex i, one of its four, is on side A of impact k. */

@@ -145,48 +145,48 @@ int kept_divide(struct world *w)
 }
 
 /* The vertex of the new world that is v of the old one; -1: it is gone. */
-static int32_t heir_of(const struct world *w, const struct heir *heir,
-                       int32_t v)
+static int32_t edited_of(const struct world *w, const struct edited *edited,
+                         int32_t v)
 {
-    const struct world *old = heir->old;
+    const struct world *old = edited->old;
     int bodies = w->def.n_cloths + w->def.n_obstacles, from = body_of(old, v);
     for (int k = 0; k < bodies; k++)
-        if (heir->from[k] == from)
+        if (edited->from[k] == from)
             return (int32_t)(v - state_first_vertex(old, from) +
                              state_first_vertex(w, k));
     return -1;
 }
 
 /* Both halves of a word are vertices. */
-static bool rename_word(const struct world *w, const struct heir *heir,
+static bool rename_word(const struct world *w, const struct edited *edited,
                         uint64_t *word)
 {
-    int32_t a = heir_of(w, heir, (int32_t)(*word >> 32));
-    int32_t b = heir_of(w, heir, (int32_t)(*word & UINT32_MAX));
+    int32_t a = edited_of(w, edited, (int32_t)(*word >> 32));
+    int32_t b = edited_of(w, edited, (int32_t)(*word & UINT32_MAX));
     *word = (uint64_t)(uint32_t)a << 32 | (uint32_t)b;
     return a >= 0 && b >= 0;
 }
 
-int kept_inherit(struct world *w, const struct heir *heir)
+int kept_inherit(struct world *w, const struct edited *edited)
 {
     struct kept *list = NULL;
     int64_t n = 0, found = 0;
-    if (!w->plan.solves || !heir->old->plan.solves)
+    if (!w->plan.solves || !edited->old->plan.solves)
         return DRAPE_OK;
-    int status = kept_gather(heir->old, &list, &n);
+    int status = kept_gather(edited->old, &list, &n);
     for (int64_t k = 0; k < n && status == DRAPE_OK; k++) {
         struct kept e = list[k];
         uint64_t kind = e.hi & EDGES;
         e.hi &= ~EDGES;
-        bool stays = rename_word(w, heir, &e.hi);
-        stays &= rename_word(w, heir, &e.lo);
+        bool stays = rename_word(w, edited, &e.hi);
+        stays &= rename_word(w, edited, &e.lo);
         e.hi |= kind;
         if (stays)
             list[found++] = e;
     }
     if (status == DRAPE_OK)
         status = distribute(w, list, found);
-    arena_give(heir->old->arena, list);
+    arena_give(edited->old->arena, list);
     return status;
 }
 

@@ -8,7 +8,7 @@
 
 #include "ref/contact/carry.h"
 
-struct heir;
+struct edited;
 struct world;
 
 /* Brings all that is kept to the host, by key, into *list [*n] of the arena;
@@ -26,7 +26,7 @@ int kept_spread(struct world *w, const struct kept *list, int64_t n,
  * asleep. Likewise. */
 int kept_divide(struct world *w);
 /* What the bodies that stay had in the old world. Likewise. */
-int kept_inherit(struct world *w, const struct heir *heir);
+int kept_inherit(struct world *w, const struct edited *edited);
 /* Whether an entry that was read names vertices of w and is a number. */
 bool kept_good(const struct world *w, const struct kept *k);
 

@@ -27,8 +27,8 @@ static const real ANEW = R(0.5);  /* §4: of the least scale, what Newton's part
                                      may leave undone */
 static const real EARTH = R(9.81); /* §3.4: m/s², the least g of the scale */
 static const real STRUCK = R(0.5); /* §5: of g dt */
-static const real PRESS = R(1e4);  /* Pa, coulomb.md §1: the modulus of cloth
-                                      across  its thickness */
+static const real COLUMN_MODULUS = R(1e4); /* Pa, coulomb.md §1: the modulus of
+                                     cloth across  its thickness */
 
 /* The loop under way. */
 struct loop {
@@ -51,9 +51,9 @@ static void note(struct loop *s, int status)
     s->status = s->status == DRAPE_OK ? status : s->status;
 }
 
-static bool goes_on(const struct loop *s)
+static bool loop_continues(const struct loop *s)
 {
-    return s->status == DRAPE_OK && !s->w->sleep->roused;
+    return s->status == DRAPE_OK && !s->w->sleep->woken;
 }
 
 /* A part of the motion of all cloths that are awake. */
@@ -119,7 +119,7 @@ static void evaluate(struct loop *s, bool lists, bool renews)
     law->n4 = 4 * law->n;
     law->contact = contacts_of(s);
     law->rest = s->a->rest;
-    law->hold = s->a->hold[!s->a->held];
+    law->bound = s->a->bound[!s->a->held];
     law->lists = lists;
     law->renews = renews;
     s->fresh = true;
@@ -133,7 +133,7 @@ static void evaluate(struct loop *s, bool lists, bool renews)
 static void close_contacts(struct loop *s)
 {
     s->a->law.closes = 1;
-    if (goes_on(s))
+    if (loop_continues(s))
         evaluate(s, false, false);
     s->a->law.closes = 0;
 }
@@ -162,8 +162,8 @@ static void precondition(struct loop *s)
         note(s, move_cloths(w, MOTION_LINEARISE));
     clear_asleep(s);
     s->a->held = !s->a->held;
-    j->hold = s->a->hold[s->a->held];
-    j->wall = law->wall;
+    j->bound = s->a->bound[s->a->held];
+    j->single = law->single;
     j->epoch = w->sleep->epoch;
     j->links = (struct links){.nv = law->nv,
                               .n = law->n,
@@ -173,7 +173,7 @@ static void precondition(struct loop *s)
                               .start = law->start,
                               .item = law->item,
                               .push = j->links.push};
-    if (goes_on(s))
+    if (loop_continues(s))
         note(s, w->run->joint_set_up(w, j));
 }
 
@@ -181,7 +181,7 @@ static void precondition(struct loop *s)
 static real measure(struct loop *s, const vec *r)
 {
     real value = 0;
-    if (goes_on(s))
+    if (loop_continues(s))
         note(s, s->w->run->joint_measure(s->w, &s->a->joint, r, &value));
     if (!(value >= 0)) { /* rounding, or no number: the rounds go on */
         s->a->outcome |= DRAPE_UNCONVERGED;
@@ -200,7 +200,7 @@ static real dot(struct loop *s, const vec *a, const vec *b, const real *weight)
                     .chunk = j->chunk,
                     .n_w = weight ? s->w->nc : 0,
                     .w = weight};
-    if (goes_on(s))
+    if (loop_continues(s))
         note(s, s->w->run->dot(s->w->on, &d));
     return d.value;
 }
@@ -243,7 +243,7 @@ static void shift(struct loop *s, real part)
     } else {
         w->run->lessen(w->on, w->nc, part, j->q, s->a->rest);
     }
-    if (goes_on(s))
+    if (loop_continues(s))
         evaluate(s, false, false);
 }
 
@@ -258,7 +258,7 @@ static real slope(struct loop *s)
 static void search(struct loop *s, real from, real to)
 {
     real low = 0, high = 1, at = 1, below = from, above = to;
-    for (int k = 0; k < TRIALS && goes_on(s); k++) {
+    for (int k = 0; k < TRIALS && loop_continues(s); k++) {
         real part = -below / (above - below);
         part = part > R(0.1) ? real_min(part, R(0.9)) : R(0.1);
         real next = low + (high - low) * part;
@@ -285,7 +285,7 @@ static void solve(struct loop *s)
     j->b = a->law.inner;
     j->tolerance = FORCING;
     j->max_iterations = s->w->def.max_iterations;
-    if (!goes_on(s))
+    if (!loop_continues(s))
         return;
     note(s, s->w->run->joint(s->w, j));
     s->w->run->trace(s->w->on, s->w->tracing, "joint", j->dv,
@@ -300,7 +300,7 @@ static void solve(struct loop *s)
     }
     real from = slope(s);
     shift(s, 1);
-    real to = goes_on(s) ? slope(s) : 0;
+    real to = loop_continues(s) ? slope(s) : 0;
     if (to > SLOPE * -from)
         search(s, from, to);
 }
@@ -315,7 +315,7 @@ static struct carry carry_of(const struct loop *s)
                           .n = w->response.active,
                           .n_kept = s->a->n_kept[0],
                           .w = w->w,
-                          .skin = w->response.skin,
+                          .surfaces = w->response.surfaces,
                           .dt = law->dt,
                           .tau = law->tau,
                           .stiffest = law->stiffest,
@@ -343,18 +343,18 @@ static bool find_met(struct loop *s)
     struct response *c = &s->w->response;
     note(s, response_detect(c));
     s->moved = false;
-    s->clean = goes_on(s) && c->hits == 0;
-    if (!goes_on(s) || s->clean)
+    s->clean = loop_continues(s) && c->hits == 0;
+    if (!loop_continues(s) || s->clean)
         return false;
     note(s, response_join(c));
     if (s->status == DRAPE_OK)
         carry(s);
-    return goes_on(s);
+    return loop_continues(s);
 }
 
 static void take_contacts(struct loop *s)
 {
-    if (!goes_on(s))
+    if (!loop_continues(s))
         return;
     evaluate(s, true, false);
     precondition(s);
@@ -365,18 +365,18 @@ static void take_contacts(struct loop *s)
 static bool relinearises(struct loop *s)
 {
     struct world *w = s->w;
-    if (s->a->newton || s->a->solves == 0 || !goes_on(s))
+    if (s->a->newton || s->a->solves == 0 || !loop_continues(s))
         return false;
     note(s, move_cloths(w, MOTION_BALANCE));
     take_rest(w);
-    if (goes_on(s))
+    if (loop_continues(s))
         evaluate(s, false, false);
     if (!(measure(s, s->a->law.inner) > GROSS * s->scale))
         return false;
     s->a->newton = true;
     s->from = s->a->solves;
     s->most = s->from + NEWTONS;
-    return goes_on(s);
+    return loop_continues(s);
 }
 
 /* §3: false where the loop ends. */
@@ -395,15 +395,15 @@ static bool iterate(struct loop *s)
     if (s->moved && (done || last || a->solves == s->from + 1) && find_met(s)) {
         take_contacts(s);
         if (!last)
-            return goes_on(s);
+            return loop_continues(s);
     }
     if (done || last)
         return relinearises(s);
     if (measure(s, a->law.inner) <= NESTED * s->outer)
         evaluate(s, false, true);
-    if (goes_on(s))
+    if (loop_continues(s))
         solve(s);
-    return goes_on(s);
+    return loop_continues(s);
 }
 
 static struct loop loop_of(struct world *w)
@@ -424,7 +424,7 @@ static void start(struct loop *s)
     bool past = w->plan.history && state_has_past(w);
     a->law.dt = (real)w->dt;
     a->law.tau = (real)(past ? w->dt * 2 / 3 : w->dt);
-    real column = PRESS * w->cell * w->cell * a->law.tau * a->law.tau;
+    real column = COLUMN_MODULUS * w->cell * w->cell * a->law.tau * a->law.tau;
     column = real_max(R(1e-30), real_min(column, R(1e30))); /* of any scale */
     a->law.reach = w->cell / 2;
     a->law.give = CARRY_RISE / column;
@@ -435,22 +435,22 @@ static void start(struct loop *s)
 }
 
 /* The contacts of the slice's start. True if there is something to solve. */
-static bool find_contacts(struct loop *s, const struct pairs *near)
+static bool find_contacts(struct loop *s, const struct pairs *close)
 {
     struct world *w = s->w;
     struct response *c = &w->response;
-    note(s, response_near(c, near));
+    note(s, response_find_close(c, close));
     if (s->status == DRAPE_OK)
         carry(s);
-    if (w->lagrange.begun || !goes_on(s))
-        return goes_on(s);
+    if (w->lagrange.begun || !loop_continues(s))
+        return loop_continues(s);
     bool met = find_met(s); /* the cloths have moved already */
-    if (!goes_on(s) || (!met && c->active == 0))
+    if (!loop_continues(s) || (!met && c->active == 0))
         return false;
     meet(w, true);
     note(s, move_cloths(w, MOTION_BALANCE));
     take_rest(w);
-    return goes_on(s);
+    return loop_continues(s);
 }
 
 /* §5: the jump of what struck, and the velocities after it. The system is that
@@ -468,19 +468,19 @@ static void take_jump(struct loop *s, const struct retain *r)
                       .item = a->law.item,
                       .push = a->jump};
     w->run->jump(w->on, &m);
-    if (!(dot(s, a->jump, a->jump, NULL) > 0) || !goes_on(s))
+    if (!(dot(s, a->jump, a->jump, NULL) > 0) || !loop_continues(s))
         return;
     j->b = a->jump;
-    j->hold = j->wall = a->bare;
+    j->bound = j->single = a->bare;
     j->links.n = j->links.n4 = 0;
     j->links.start = a->none;
     j->tolerance = (real)w->def.tolerance;
     j->max_iterations = w->def.max_iterations;
     clear_asleep(s);
     note(s, w->run->joint_set_up(w, j));
-    if (goes_on(s))
+    if (loop_continues(s))
         note(s, w->run->joint(w, j));
-    if (!goes_on(s))
+    if (!loop_continues(s))
         return;
     a->iterations += j->iterations;
     w->run->copy(w->on, a->jump, j->dv, (size_t)w->nc * sizeof *a->jump);
@@ -538,21 +538,21 @@ void lagrange_note(struct world *w)
     w->run->copy(w->on, w->free_v, w->v1, bytes);
 }
 
-int lagrange_solve(void *user, const struct pairs *near)
+int lagrange_solve(void *user, const struct pairs *close)
 {
     struct world *w = user;
     struct loop s = loop_of(w);
     double begin = clock_now(), broad = w->broad_seconds;
     start(&s);
-    if (find_contacts(&s, near)) {
+    if (find_contacts(&s, close)) {
         s.a->solved = true;
         take_contacts(&s);
-        while (goes_on(&s) && iterate(&s))
+        while (loop_continues(&s) && iterate(&s))
             ;
         close_contacts(&s);
         s.a->residual = s.scale > 0 ? (double)(s.outer / s.scale) : 0;
     }
-    if (goes_on(&s) && s.a->solved)
+    if (loop_continues(&s) && s.a->solved)
         finish(&s);
     w->response.done = s.clean;
     w->lagrange.seconds += clock_now() - begin - (w->broad_seconds - broad);

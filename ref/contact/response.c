@@ -121,7 +121,7 @@ static int detect(struct response *s, const uint8_t *touched)
     int status = s->broad(s->user, touched, &p);
     s->hits = 0;
     if (!touched)
-        s->started = s->led = 0;
+        s->started = s->prescribed = 0;
     if (status != DRAPE_OK || !p.n)
         return status;
     s->later += touched ? p.n : 0;
@@ -151,7 +151,7 @@ static int detect(struct response *s, const uint8_t *touched)
     s->impacts += m.found;
     if (!touched) {
         s->started = m.started;
-        s->led = m.led;
+        s->prescribed = m.prescribed;
     }
     return status;
 }
@@ -179,8 +179,8 @@ static int find_impulses(struct response *s)
                          .w = s->w,
                          .x0 = s->x0,
                          .x1 = s->x1,
-                         .skin = s->skin,
-                         .fan = s->fan,
+                         .surfaces = s->surfaces,
+                         .one_rings = s->one_rings,
                          .dt = s->dt,
                          .margin = s->margin,
                          .n_active = s->active,
@@ -211,22 +211,22 @@ static int find_impulses(struct response *s)
 
 /* The pairs that are nearer than their thickness at x, as contacts in a pool.
  */
-static int find_contacts(struct response *s, const struct pairs *near,
+static int find_contacts(struct response *s, const struct pairs *close,
                          const vec *x, struct pool *out, int64_t *found)
 {
     struct proximity p = {.nv = s->nv,
-                          .n = near->n,
-                          .pair = near->pair,
-                          .kind = near->kind,
+                          .n = close->n,
+                          .pair = close->pair,
+                          .kind = close->kind,
                           .x = x,
                           .w = s->w,
-                          .skin = s->skin,
-                          .fan = s->fan,
+                          .surfaces = s->surfaces,
+                          .one_rings = s->one_rings,
                           .dt = s->dt,
                           .stiffness = s->stiffness,
                           .range = s->range};
-    int status =
-        response_grow(s, 1, &(struct pool_need){&s->at, near->n, sizeof *p.at});
+    int status = response_grow(
+        s, 1, &(struct pool_need){&s->at, close->n, sizeof *p.at});
     if (status != DRAPE_OK)
         return status;
     p.at = s->at.data;
@@ -253,26 +253,26 @@ int response_join(struct response *s)
     return find_impulses(s);
 }
 
-int response_near(struct response *s, const struct pairs *near)
+int response_find_close(struct response *s, const struct pairs *close)
 {
-    s->near = near->n;
+    s->close = close->n;
     s->hits = 0;
-    if (!near->n)
+    if (!close->n)
         return DRAPE_OK;
     int status =
-        find_contacts(s, near, s->x0, &s->contact[s->side], &s->contacts);
+        find_contacts(s, close, s->x0, &s->contact[s->side], &s->contacts);
     s->active = s->contacts;
     /* without impacts this orders them */
     return status == DRAPE_OK && s->active ? find_impulses(s) : status;
 }
 
-int response_repel(struct response *s, const struct pairs *near)
+int response_repel(struct response *s, const struct pairs *close)
 {
-    s->near = near->n;
-    if (!near->n)
+    s->close = close->n;
+    if (!close->n)
         return DRAPE_OK;
     int status =
-        find_contacts(s, near, s->x0, &s->contact[s->side], &s->contacts);
+        find_contacts(s, close, s->x0, &s->contact[s->side], &s->contacts);
     return status == DRAPE_OK && s->contacts ? solve_contacts(s, s->contacts, 0)
                                              : status;
 }
@@ -323,7 +323,7 @@ int response_penetrate(struct response *s)
         status = detect(s, s->touched);
         s->rounds++;
     }
-    if (s->started || s->led)
+    if (s->started || s->prescribed)
         s->outcome |= DRAPE_TRAPPED;
     return status;
 }

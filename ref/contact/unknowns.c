@@ -34,10 +34,10 @@ int unknowns_make(struct world *w)
     s->force = take(w, w->nv, sizeof *s->force);
     s->inner = take(w, w->nc, sizeof *s->inner);
     s->outer = take(w, w->nc, sizeof *s->outer);
-    s->wall = take(w, w->nv, sizeof *s->wall);
+    s->single = take(w, w->nv, sizeof *s->single);
     a->rest = take(w, w->nc, sizeof *a->rest);
     for (int k = 0; k < 2; k++)
-        a->hold[k] = take(w, w->nv, sizeof *a->hold[k]);
+        a->bound[k] = take(w, w->nv, sizeof *a->bound[k]);
     if (w->plan.history) {
         a->jump = take(w, w->nc, sizeof *a->jump);
         a->bare = take(w, w->nv, sizeof *a->bare);

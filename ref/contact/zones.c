@@ -100,11 +100,11 @@ static struct zone_sum tree(struct zone_sum *sum, int64_t n)
     return sum[0];
 }
 
-/* The mass with which vertex i counts in zone z: led vertices alone where the
- * zone has any. */
+/* The mass with which vertex i counts in zone z: prescribed vertices alone
+ * where the zone has any. */
 static real mass_of(const struct zones *s, const struct zone *z, int32_t i)
 {
-    if (z->led)
+    if (z->prescribed)
         return is_free(s, i) ? 0 : 1;
     return 1 / s->w[i];
 }
@@ -133,7 +133,7 @@ static struct zone_sum angular(const struct zones *s, const struct zone *z,
 {
     real m = mass_of(s, z, i);
     vec r = arm_of(s, z, i), d = vec_sub(s->u[i], z->velocity);
-    if (z->led) /* §3.4: the middle of the chord */
+    if (z->prescribed) /* §3.4: the middle of the chord */
         r = vec_axpy(r, R(0.5) * s->dt, d);
     vec mr = vec_scale(m, r), l = vec_cross(mr, d);
     struct zone_sum sum = {m,
@@ -172,10 +172,10 @@ static void find_motion(struct zones *s, struct zone *z,
 {
     struct zone_sum *sum = s->sum + z->first;
     int64_t n = z->end - z->first;
-    z->led = false;
+    z->prescribed = false;
     z->base = s->x0[member[0].lo];
     for (int64_t k = 0; k < n; k++)
-        z->led |= !is_free(s, (int32_t)member[k].lo);
+        z->prescribed |= !is_free(s, (int32_t)member[k].lo);
     for (int64_t k = 0; k < n; k++)
         sum[k] = linear(s, z, (int32_t)member[k].lo);
     struct zone_sum all = tree(sum, n);
@@ -187,9 +187,9 @@ static void find_motion(struct zones *s, struct zone *z,
     z->spin = spin_of(all.i, all.a);
     /* §3.2: at most a quarter turn */
     vec half = vec_scale(R(0.5) * s->dt, z->spin);
-    real turn = vec_dot(half, half);
-    if (turn > 1)
-        z->spin = vec_scale(1 / real_sqrt(turn), z->spin);
+    real rotation = vec_dot(half, half);
+    if (rotation > 1)
+        z->spin = vec_scale(1 / real_sqrt(rotation), z->spin);
 }
 
 /* The mean velocity that moves vertex i with zone z through the step. */
@@ -197,9 +197,9 @@ static vec rigid_velocity(const struct zones *s, const struct zone *z,
                           int32_t i)
 {
     vec half = vec_scale(R(0.5) * s->dt, z->spin);
-    vec turn = vec_cross(z->spin, arm_of(s, z, i));
-    turn = vec_add(turn, vec_cross(half, turn));
-    return vec_axpy(z->velocity, 1 / (1 + vec_dot(half, half)), turn);
+    vec rotation = vec_cross(z->spin, arm_of(s, z, i));
+    rotation = vec_add(rotation, vec_cross(half, rotation));
+    return vec_axpy(z->velocity, 1 / (1 + vec_dot(half, half)), rotation);
 }
 
 int ref_zones(struct zones *s)

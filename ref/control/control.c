@@ -37,7 +37,7 @@ int control_wind(struct world *w, const drape_wind *wind)
     return DRAPE_OK;
 }
 
-/* Sets what the scene derives from all cloths, as fill.c and wire.c do. */
+/* Sets what the scene derives from all cloths, as fill.c and connect.c do. */
 static void derive(struct world *w)
 {
     const struct world *h = w->home;
@@ -113,7 +113,7 @@ static void restart(struct world *w)
 {
     w->lagrange.n_kept[0] = w->lagrange.n_resting = 0;
     w->past = 0;
-    w->near = NEAR_NONE;
+    w->nearness = NEAR_NONE;
     w->list.known = false;
     sleep_wake(w);
 }

@@ -39,9 +39,9 @@ static int make_room(struct world *w)
         c->of = arena_take(w->arena, ARENA_OTHER, n, sizeof *c->of);
     if (!c->part)
         c->part = arena_take(w->arena, ARENA_OTHER, 2 * n, sizeof *c->part);
-    if (!c->whole)
-        c->whole = arena_take(w->arena, ARENA_OTHER, 2 * n, sizeof *c->whole);
-    bool good = c->chunk && c->label && c->of && c->part && c->whole;
+    if (!c->island)
+        c->island = arena_take(w->arena, ARENA_OTHER, 2 * n, sizeof *c->island);
+    bool good = c->chunk && c->label && c->of && c->part && c->island;
     return good ? DRAPE_OK : DRAPE_ENOMEM;
 }
 
@@ -87,7 +87,7 @@ static int find_islands(struct world *w, int outcome)
     const struct response *r = &w->response;
     struct islands s = {.nv = w->nv,
                         .n = r->active,
-                        .body = r->skin.of,
+                        .body = r->surfaces.of,
                         .contact = r->contact[r->side].data,
                         .bodies = w->def.n_cloths,
                         .label = c->label};
@@ -119,7 +119,7 @@ static bool is_finite(const struct gain *g)
  * those of what it then has. */
 static int give(struct world *w, int k)
 {
-    const struct tally *before = &w->conserve.whole[w->conserve.of[k]];
+    const struct tally *before = &w->conserve.island[w->conserve.of[k]];
     const struct tally *after = before + w->def.n_cloths;
     struct sheet *s = &w->sheet[k];
     double p[3];
@@ -165,8 +165,8 @@ int conserve_momentum(struct world *w, int outcome)
     if (status != DRAPE_OK)
         return status;
     find_energies(w, c->part);
-    tally_join(n, c->of, c->part, c->whole);
-    tally_join(n, c->of, c->part + n, c->whole + n);
+    tally_join(n, c->of, c->part, c->island);
+    tally_join(n, c->of, c->part + n, c->island + n);
     for (int k = 0; k < n && status == DRAPE_OK; k++)
         status = give(w, k);
     return status;

@@ -15,7 +15,7 @@ struct conserve {
     int32_t *label;     /* [n_cloths] likewise */
     int32_t *of;        /* [n_cloths] the same on the host */
     struct tally *part; /* [2·n_cloths] on the host: at the start, at the end */
-    struct tally *whole; /* [2·n_cloths] likewise, of islands */
+    struct tally *island; /* [2·n_cloths] likewise, of islands */
 };
 
 /* Whether nothing but cloths and gravity acts on cloths. */

@@ -83,8 +83,8 @@ int ref_spin(struct spin *s)
 {
     EACH_ITEM
     for (int64_t p = 0; p < s->count; p++) {
-        vec turn = vec_cross(s->dw, vec_sub(s->x[p], s->centre));
-        vec gain = vec_add(s->dv, turn);
+        vec rotation = vec_cross(s->dw, vec_sub(s->x[p], s->centre));
+        vec gain = vec_add(s->dv, rotation);
         vec to = vec_add(vec_scale(s->keep, s->v[p]), gain);
         s->to[p] = s->w[p] > 0 ? to : s->v[p];
     }

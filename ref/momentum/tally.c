@@ -6,7 +6,7 @@
 #include <math.h>
 
 /* §3.3: the least determinant of an inertia that is divided by its trace. */
-static const double THIN = 0x1p-16;
+static const double DEGENERATE = 0x1p-16;
 /* §3.4: a slice that gains more than such a part of its energy is one that
  * step.md §7.3 has to see. */
 static const double JUMP = 16;
@@ -66,11 +66,11 @@ struct tally tally_of(const struct moments *s)
 }
 
 void tally_join(int n, const int32_t *of, const struct tally *part,
-                struct tally *whole)
+                struct tally *island)
 {
-    memset(whole, 0, (size_t)n * sizeof *whole);
+    memset(island, 0, (size_t)n * sizeof *island);
     for (int k = 0; k < n; k++) {
-        struct tally *t = &whole[of[k]];
+        struct tally *t = &island[of[k]];
         double m = t->mass + part[k].mass;
         for (int i = 0; i < 3; i++) {
             double d = part[k].centre[i] - t->centre[i];
@@ -81,7 +81,7 @@ void tally_join(int n, const int32_t *of, const struct tally *part,
         t->mass = m;
     }
     for (int k = 0; k < n; k++) {
-        struct tally *t = &whole[of[k]];
+        struct tally *t = &island[of[k]];
         double d[3], u[3];
         for (int i = 0; i < 3; i++) {
             d[i] = part[k].centre[i] - t->centre[i];
@@ -109,7 +109,7 @@ static bool find_turn(const struct tally *t, const double l[3], double dw[3])
     double det = dot(a[0], b[0]);
     for (int i = 0; i < 3; i++)
         dw[i] = dot(b[i], l) / (det * trace);
-    return det > THIN;
+    return det > DEGENERATE;
 }
 
 /* A rigid turn, 1/s, and its energy, J. */

@@ -147,11 +147,12 @@ static struct wide place_of(const struct places *s, int32_t i)
     return s->x1 ? wide_axpy(a, s->t, wide_sub(wide_of(s->x1[i]), a)) : a;
 }
 
-struct foot foot_find(const int32_t v[4], int from, int end,
-                      const struct wide x[4], const double c[4], struct wide p)
+struct closest_point closest_point_find(const int32_t v[4], int from, int end,
+                                        const struct wide x[4],
+                                        const double c[4], struct wide p)
 {
     struct wide o = x[0];
-    struct foot f = {.p = closest_lift(p)};
+    struct closest_point f = {.p = closest_lift(p)};
     for (int j = from; j < end; j++) {
         if (c[j] == 0)
             continue;
@@ -165,21 +166,21 @@ struct foot foot_find(const int32_t v[4], int from, int end,
     return f;
 }
 
-/* Whether triangles of the fan of f.v[0] are at the foot. */
-static bool is_at(const struct foot *f, const int32_t rim[2])
+/* Whether triangles of the one-ring of f.v[0] are at the closest point. */
+static bool is_at(const struct closest_point *f, const int32_t opposite[2])
 {
-    return f->vertices == 1 || rim[0] == f->v[1] || rim[1] == f->v[1];
+    return f->vertices == 1 || opposite[0] == f->v[1] || opposite[1] == f->v[1];
 }
 
-/* The place of vertex y relative to the foot's first vertex. */
-static struct wide beside(const struct places *s, const struct foot *f,
+/* The place of vertex y relative to the closest point's first vertex. */
+static struct wide beside(const struct places *s, const struct closest_point *f,
                           int32_t y)
 {
     return wide_sub(place_of(s, y), place_of(s, f->v[0]));
 }
 
-/* Whether the foot comes nearer to the other side towards vertex y. */
-static bool comes_nearer(const struct places *s, const struct foot *f,
+/* Whether the closest point comes nearer to the other side towards vertex y. */
+static bool comes_nearer(const struct places *s, const struct closest_point *f,
                          int32_t y, double least)
 {
     struct wide d = closest_lift(wide_sub(beside(s, f, y), f->at));
@@ -188,35 +189,38 @@ static bool comes_nearer(const struct places *s, const struct foot *f,
            along * along > least * (wide_dot(f->p, f->p) * wide_dot(d, d));
 }
 
-bool foot_is_nearest(const struct places *s, const struct fan *fan,
-                     const struct foot *f, double least)
+bool closest_point_is_local(const struct places *s,
+                            const struct one_rings *one_rings,
+                            const struct closest_point *f, double least)
 {
     int32_t i = f->v[0];
-    if (!fan->n_start)
+    if (!one_rings->n_start)
         return true;
-    for (int32_t k = fan->start[i]; f->vertices < 3 && k < fan->start[i + 1];
-         k++) {
-        const int32_t *rim = fan->rim[k];
+    for (int32_t k = one_rings->start[i];
+         f->vertices < 3 && k < one_rings->start[i + 1]; k++) {
+        const int32_t *opposite = one_rings->opposite[k];
         for (int j = 0; j < 2; j++)
-            if (is_at(f, rim) && comes_nearer(s, f, rim[j], least))
+            if (is_at(f, opposite) && comes_nearer(s, f, opposite[j], least))
                 return false;
     }
     return true;
 }
 
-bool foot_turn(const struct places *s, const struct fan *fan,
-               const struct foot *f, double least, struct wide *n)
+bool closest_point_normal(const struct places *s,
+                          const struct one_rings *one_rings,
+                          const struct closest_point *f, double least,
+                          struct wide *n)
 {
     int32_t i = f->v[0];
     double most = least * wide_dot(f->p, f->p);
     bool found = false;
-    for (int32_t k = fan->start[i]; k < fan->start[i + 1]; k++) {
-        const int32_t *rim = fan->rim[k];
-        struct wide d = closest_lift(beside(s, f, rim[0]));
-        struct wide e = closest_lift(beside(s, f, rim[1]));
+    for (int32_t k = one_rings->start[i]; k < one_rings->start[i + 1]; k++) {
+        const int32_t *opposite = one_rings->opposite[k];
+        struct wide d = closest_lift(beside(s, f, opposite[0]));
+        struct wide e = closest_lift(beside(s, f, opposite[1]));
         struct wide m = closest_lift(wide_cross(d, e));
         double along = wide_dot(m, f->p), mm = wide_dot(m, m);
-        if (!is_at(f, rim) || !(along * along > most * mm))
+        if (!is_at(f, opposite) || !(along * along > most * mm))
             continue;
         most = along * along / mm;
         *n = closest_unit(along < 0 ? wide_scale(-1, m) : m, *n);
@@ -225,26 +229,28 @@ bool foot_turn(const struct places *s, const struct fan *fan,
     return found;
 }
 
-/* Whether a triangle of the fan of f.v[0], whose other vertices are rim, is
- * `face`. */
-static bool is_face(const int32_t rim[2], const int32_t face[3])
+/* Whether a triangle of the one-ring of f.v[0], whose other vertices are rim,
+ * is `face`. */
+static bool is_face(const int32_t opposite[2], const int32_t face[3])
 {
     for (int j = 0; j < 2; j++)
-        if (rim[j] != face[0] && rim[j] != face[1] && rim[j] != face[2])
+        if (opposite[j] != face[0] && opposite[j] != face[1] &&
+            opposite[j] != face[2])
             return false;
     return true;
 }
 
-bool foot_is_first(const struct fan *fan, const struct foot *f,
-                   const int32_t face[3], int32_t other)
+bool closest_point_is_first(const struct one_rings *one_rings,
+                            const struct closest_point *f,
+                            const int32_t face[3], int32_t other)
 {
     int32_t i = f->v[0];
-    if (!fan->n_start || f->vertices == 3)
+    if (!one_rings->n_start || f->vertices == 3)
         return true;
-    for (int32_t k = fan->start[i]; k < fan->start[i + 1]; k++) {
-        const int32_t *rim = fan->rim[k];
-        if (is_at(f, rim) && rim[0] != other && rim[1] != other)
-            return is_face(rim, face);
+    for (int32_t k = one_rings->start[i]; k < one_rings->start[i + 1]; k++) {
+        const int32_t *opposite = one_rings->opposite[k];
+        if (is_at(f, opposite) && opposite[0] != other && opposite[1] != other)
+            return is_face(opposite, face);
     }
     return true;
 }

@@ -4,7 +4,7 @@
 #include "ref/narrow/exact.h"
 
 #include "ref/narrow/roots.h"
-#include "ref/narrow/whole.h"
+#include "ref/narrow/system.h"
 
 #include <stddef.h>
 

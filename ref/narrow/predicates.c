@@ -22,7 +22,7 @@ struct parts {
 };
 
 /* An integer of n ≤ WORDS words, lowest word first, word[n-1] not 0. */
-struct whole {
+struct integer {
     uint32_t word[WORDS];
     int n;
     bool negative;
@@ -108,14 +108,14 @@ static int compare(const uint32_t *a, const uint32_t *b, int n)
 }
 
 /* Returns x - y in units of 2^s.e. */
-static struct whole subtract(struct parts x, struct parts y, struct span s)
+static struct integer subtract(struct parts x, struct parts y, struct span s)
 {
     uint32_t side[2][WORDS] = {{0}};
     if (x.m != 0)
         place(side[x.negative], s.words, x.m, x.e - s.e);
     if (y.m != 0)
         place(side[!y.negative], s.words, y.m, y.e - s.e);
-    struct whole r;
+    struct integer r;
     r.negative = compare(side[0], side[1], s.words) < 0;
     const uint32_t *big = side[r.negative], *small = side[!r.negative];
     uint64_t borrow = 0;
@@ -159,15 +159,15 @@ static void add_term(struct balance *s, bool negative, const uint32_t *term,
     }
 }
 
-int ref_orient3_whole(const point a, const point b, const point c,
-                      const point d)
+int ref_orient3_integer(const point a, const point b, const point c,
+                        const point d)
 {
     const double *const row[4] = {b, c, d, a};
     struct parts p[12];
     for (int k = 0; k < 12; k++)
         p[k] = take_apart(row[k / 3][k % 3]);
     struct span s = span_of(p, 12);
-    struct whole m[3][3];
+    struct integer m[3][3];
     for (int k = 0; k < 9; k++)
         m[k / 3][k % 3] = subtract(p[k], p[9 + k % 3], s);
 
@@ -176,7 +176,7 @@ int ref_orient3_whole(const point a, const point b, const point c,
     for (int k = 0; k < 6; k++) {
         /* (i, j, l) are the permutations of the columns; k < 3 are even. */
         int i = k % 3, j = (i + (k < 3 ? 1 : 2)) % 3, l = 3 - i - j;
-        const struct whole *x = &m[0][i], *y = &m[1][j], *z = &m[2][l];
+        const struct integer *x = &m[0][i], *y = &m[1][j], *z = &m[2][l];
         if (x->n == 0 || y->n == 0 || z->n == 0)
             continue;
         multiply(two, x->word, x->n, y->word, y->n);
@@ -187,13 +187,14 @@ int ref_orient3_whole(const point a, const point b, const point c,
     return compare(sum.word[0], sum.word[1], sum.n);
 }
 
-int ref_orient2_whole(const point a, const point b, const point c, int u, int v)
+int ref_orient2_integer(const point a, const point b, const point c, int u,
+                        int v)
 {
     struct parts p[6] = {take_apart(b[u]), take_apart(b[v]), take_apart(c[u]),
                          take_apart(c[v]), take_apart(a[u]), take_apart(a[v])};
     struct span s = span_of(p, 6);
-    struct whole bu = subtract(p[0], p[4], s), bv = subtract(p[1], p[5], s);
-    struct whole cu = subtract(p[2], p[4], s), cv = subtract(p[3], p[5], s);
+    struct integer bu = subtract(p[0], p[4], s), bv = subtract(p[1], p[5], s);
+    struct integer cu = subtract(p[2], p[4], s), cv = subtract(p[3], p[5], s);
     struct balance sum = {.n = 2 * s.words + 1};
     uint32_t two[2 * WORDS];
     multiply(two, bu.word, bu.n, cv.word, cv.n);
@@ -224,7 +225,7 @@ int ref_orient3(const point a, const point b, const point c, const point d)
     if ((bx == 0 && cx == 0 && dx == 0) || (by == 0 && cy == 0 && dy == 0) ||
         (bz == 0 && cz == 0 && dz == 0))
         return 0;
-    return ref_orient3_whole(a, b, c, d);
+    return ref_orient3_integer(a, b, c, d);
 }
 
 int ref_orient2(const point a, const point b, const point c, int u, int v)
@@ -240,5 +241,5 @@ int ref_orient2(const point a, const point b, const point c, int u, int v)
         return -1;
     if ((bu == 0 && cu == 0) || (bv == 0 && cv == 0))
         return 0;
-    return ref_orient2_whole(a, b, c, u, v);
+    return ref_orient2_integer(a, b, c, u, v);
 }

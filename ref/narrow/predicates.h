@@ -17,9 +17,9 @@ int ref_orient3(const point a, const point b, const point c, const point d);
 int ref_orient2(const point a, const point b, const point c, int u, int v);
 
 /* The same predicates in integers alone, without the filter, for tests. */
-int ref_orient3_whole(const point a, const point b, const point c,
-                      const point d);
-int ref_orient2_whole(const point a, const point b, const point c, int u,
-                      int v);
+int ref_orient3_integer(const point a, const point b, const point c,
+                        const point d);
+int ref_orient2_integer(const point a, const point b, const point c, int u,
+                        int v);
 
 #endif

@@ -192,11 +192,11 @@ void root_locate(struct big_arena *m, struct chain *c, int i, struct root *r)
 }
 
 /* Finds how the roots of f are ordered among the roots of the chain (§6.4). */
-static void make_turns(struct big_arena *m, const struct poly *f,
-                       const struct chain *c, struct turns *t)
+static void count_variations(struct big_arena *m, const struct poly *f,
+                             const struct chain *c, struct variation_count *t)
 {
     struct poly q = trimmed(f);
-    struct turns r = {.of = f, .sign = q.c[0].sign};
+    struct variation_count r = {.of = f, .sign = q.c[0].sign};
     struct point p = {&q, {0}, {0}, 0};
     int roots = q.degree == 2 ? poly_discriminant(m, q.c) : 0;
     *t = r;
@@ -225,17 +225,18 @@ static void make_turns(struct big_arena *m, const struct poly *f,
     t->n = 1;
 }
 
-/* Returns the result of make_turns, which is kept for the chain's other
+/* Returns the result of count_variations, which is kept for the chain's other
  * roots. */
-static const struct turns *turns_of(struct big_arena *m, const struct poly *f,
-                                    struct chain *c)
+static const struct variation_count *
+count_of(struct big_arena *m, const struct poly *f, struct chain *c)
 {
-    int most = (int)(sizeof c->turns / sizeof *c->turns);
+    int most = (int)(sizeof c->counts / sizeof *c->counts);
     for (int k = 0; k < c->seen; k++)
-        if (c->turns[k].of == f)
-            return &c->turns[k];
-    struct turns *t = &c->turns[c->seen < most ? c->seen++ : most - 1];
-    make_turns(m, f, c, t);
+        if (c->counts[k].of == f)
+            return &c->counts[k];
+    struct variation_count *t =
+        &c->counts[c->seen < most ? c->seen++ : most - 1];
+    count_variations(m, f, c, t);
     return t;
 }
 
@@ -244,7 +245,7 @@ static const struct turns *turns_of(struct big_arena *m, const struct poly *f,
 static int sign_ordered(struct big_arena *m, const struct poly *f,
                         const struct root *r)
 {
-    const struct turns *t = turns_of(m, f, r->chain);
+    const struct variation_count *t = count_of(m, f, r->chain);
     int sign = t->sign;
     for (int k = 0; k < t->n; k++) {
         int count = t->s[k].count;

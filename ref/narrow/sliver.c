@@ -46,12 +46,12 @@ static bool inside(const point p, const point t[3])
 {
     for (int k = 0; k < 3; k++) {
         int u = (k + 1) % 3, v = (k + 2) % 3;
-        int turn = ref_orient2(t[0], t[1], t[2], u, v);
-        if (turn == 0)
+        int side = ref_orient2(t[0], t[1], t[2], u, v);
+        if (side == 0)
             continue;
-        return ref_orient2(t[0], t[1], p, u, v) != -turn &&
-               ref_orient2(t[1], t[2], p, u, v) != -turn &&
-               ref_orient2(t[2], t[0], p, u, v) != -turn;
+        return ref_orient2(t[0], t[1], p, u, v) != -side &&
+               ref_orient2(t[1], t[2], p, u, v) != -side &&
+               ref_orient2(t[2], t[0], p, u, v) != -side;
     }
     return false;
 }

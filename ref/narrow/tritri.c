@@ -16,7 +16,7 @@ static const int PLANE[3][2] = {{1, 2}, {2, 0}, {0, 1}};
 
 /* Returns the turn of t in the first coordinate plane where it is not 0, and
  * that plane in *at. Returns 0 if t is degenerate. */
-static int turn(const point t[3], int *at)
+static int orientation(const point t[3], int *at)
 {
     for (int k = 0; k < 3; k++) {
         int s = ref_orient2(t[0], t[1], t[2], PLANE[k][0], PLANE[k][1]);
@@ -30,7 +30,7 @@ static int turn(const point t[3], int *at)
 bool ref_collinear(const struct face *t)
 {
     int at;
-    return turn(t->p, &at) == 0;
+    return orientation(t->p, &at) == 0;
 }
 
 static bool same(int a, int b, int c)
@@ -41,7 +41,7 @@ static bool same(int a, int b, int c)
 /* §3.3: whether segment pq meets t. pq lies in the plane of t. */
 static bool meets_in_plane(const point p, const point q, const point t[3])
 {
-    int at, s = turn(t, &at), u = PLANE[at][0], v = PLANE[at][1];
+    int at, s = orientation(t, &at), u = PLANE[at][0], v = PLANE[at][1];
     for (int k = 0; k < 3; k++) {
         const double *a = t[k], *b = t[(k + 1) % 3];
         if (ref_orient2(a, b, p, u, v) == -s &&
@@ -106,7 +106,7 @@ static bool folded(const point t[3], const point s[3])
 {
     if (ref_orient3(t[0], t[1], t[2], s[2]) != 0)
         return false;
-    int at, side = turn(t, &at);
+    int at, side = orientation(t, &at);
     return ref_orient2(t[0], t[1], s[2], PLANE[at][0], PLANE[at][1]) == side;
 }
 

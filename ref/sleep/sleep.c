@@ -4,8 +4,8 @@
 
 #include "ref/contact/kept.h"
 #include "ref/momentum/momentum.h"
-#include "ref/sleep/rouse.h"
-#include "ref/world/led.h"
+#include "ref/sleep/wake.h"
+#include "ref/world/prescribed.h"
 #include "ref/world/slice.h"
 
 /* Of the largest thickness, §1: how far a cloth at rest goes in the mean of a
@@ -101,15 +101,15 @@ static int take_streams(struct world *w)
     if (w->plan.collides) {
         s->mask = take(w, s->mask, w->nv, 1);
         s->awake = take(w, s->awake, bodies(w), 1);
-        s->lively = take(w, s->lively, bodies(w), 1);
-        s->near = take(w, s->near, bodies(w), 1);
+        s->active = take(w, s->active, bodies(w), 1);
+        s->disturbed = take(w, s->disturbed, bodies(w), 1);
     }
     return w->run->status(w->on);
 }
 
 static bool can_move(const struct prop *p)
 {
-    return p->moves || p->told;
+    return p->moves || p->targeted;
 }
 
 /* §3: the queries look at cloths that are awake, and at obstacles that may
@@ -125,7 +125,7 @@ static void send_mask(struct world *w)
     for (int k = 0; k < w->def.n_obstacles; k++)
         s->flag[w->def.n_cloths + k] = can_move(&w->prop[k]);
     w->run->send(w->on, s->awake, s->flag, (size_t)bodies(w));
-    w->run->mask(w->on, w->nv, w->body, s->awake, s->mask);
+    w->run->wake_mask(w->on, w->nv, w->body, s->awake, s->mask);
     w->broad.awake = s->n > 0 ? s->mask : NULL;
 }
 
@@ -246,21 +246,21 @@ static bool pins_move(const struct world *w, int k)
 {
     const struct sheet *c = &w->sheet[k];
     struct pins pins = sheet_pins(c);
-    return w->leads && pins.n > 0 &&
+    return w->prescribes && pins.n > 0 &&
            w->run->differs(w->on, pins.n, pins.at, w->x0 + c->first, pins.x);
 }
 
 static bool obstacle_moves(const struct world *w, const struct prop *p)
 {
-    return w->leads && can_move(p) &&
+    return w->prescribes && can_move(p) &&
            w->run->differs(w->on, p->place.n, NULL, w->x0 + p->first,
                            w->x1 + p->first);
 }
 
-int sleep_look(struct world *w)
+int sleep_begin_slice(struct world *w)
 {
     struct sleep *s = w->sleep;
-    s->roused = false;
+    s->woken = false;
     if (s->n == 0)
         return DRAPE_OK;
     for (int k = 0; k < w->def.n_cloths; k++)
@@ -272,8 +272,8 @@ int sleep_look(struct world *w)
     for (int k = 0; k < w->def.n_obstacles; k++)
         s->flag[w->def.n_cloths + k] = obstacle_moves(w, &w->prop[k]);
     if (w->plan.collides) {
-        w->run->send(w->on, s->lively, s->flag, (size_t)bodies(w));
-        w->run->clear(w->on, s->near, (size_t)bodies(w));
+        w->run->send(w->on, s->active, s->flag, (size_t)bodies(w));
+        w->run->clear(w->on, s->disturbed, (size_t)bodies(w));
     }
     return status == DRAPE_OK ? w->run->status(w->on) : status;
 }
@@ -281,25 +281,25 @@ int sleep_look(struct world *w)
 int sleep_notice(struct world *w)
 {
     struct sleep *s = w->sleep;
-    struct rouse r = {.n = w->broad.n,
-                      .pair = broad_pairs(&w->broad),
-                      .body = w->body,
-                      .lively = s->lively,
-                      .near = s->near};
+    struct wake r = {.n = w->broad.n,
+                     .pair = broad_pairs(&w->broad),
+                     .body = w->body,
+                     .active = s->active,
+                     .disturbed = s->disturbed};
     if (s->n == 0 || r.n == 0)
         return DRAPE_OK;
-    w->run->rouse(w->on, &r);
-    w->run->fetch(w->on, s->flag, s->near, (size_t)bodies(w));
+    w->run->wake_find(w->on, &r);
+    w->run->fetch(w->on, s->flag, s->disturbed, (size_t)bodies(w));
     int status = w->run->status(w->on);
     for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++)
-        s->roused |= s->rest[k].asleep && s->flag[k];
+        s->woken |= s->rest[k].asleep && s->flag[k];
     return status;
 }
 
-int sleep_end(struct world *w)
+int sleep_wake_disturbed(struct world *w)
 {
     mark(w, w->sleep->flag);
-    w->sleep->roused = false;
+    w->sleep->woken = false;
     return wake_marked(w);
 }
 
@@ -313,7 +313,8 @@ static void measure(struct world *w)
     if (n == 1)
         s->most[0] = w->run->furthest(w->on, w->nc, w->anchor, w->x1);
     else
-        w->run->ways(w->on, w->nc, w->body, w->anchor, w->x1, n, s->most);
+        w->run->wake_displacements(w->on, w->nc, w->body, w->anchor, w->x1, n,
+                                   s->most);
 }
 
 /* Sets the anchors of cloths first … end - 1 where they are. */
@@ -343,7 +344,7 @@ static bool count_step(struct world *w, int k, bool failed)
 }
 
 /* Whether cloth k has rested for long enough. */
-static bool is_tired(const struct world *w, int k)
+static bool may_sleep(const struct world *w, int k)
 {
     const struct rest *rest = &w->sleep->rest[k];
     return !rest->asleep && rest->steps >= SLEEP_STEPS &&
@@ -381,7 +382,7 @@ static void put_to_sleep(struct world *w)
     int n = w->def.n_cloths;
     bool any = false;
     for (int k = 0; k < n; k++)
-        any |= s->flag[k] = is_tired(w, k);
+        any |= s->flag[k] = may_sleep(w, k);
     if (!any || find_islands(w) != DRAPE_OK)
         return;
     for (int k = 0; k < n; k++) /* one that is not keeps its island awake */

@@ -158,7 +158,8 @@ static bool is_cut(const struct coarsen *s, int32_t i, int32_t j)
 /* §2: returns the contribution of the fine excesses around coarse particle (i,
  * j): to the block of the pair with (i + ci, j + cj), weighted by -w_I w_J; or,
  * with ci = cj = 0, to the coarse excess of (i, j), weighted by w_I. */
-static sym share(const struct coarsen *s, int32_t i, int32_t j, int ci, int cj)
+static sym coarse_sum(const struct coarsen *s, int32_t i, int32_t j, int ci,
+                      int cj)
 {
     sym sum = {0, 0, 0, 0, 0, 0};
     bool self = ci == 0 && cj == 0;
@@ -184,11 +185,11 @@ static void gather_node(const struct coarsen *s, const struct recipe *recipe,
     else
         for (int o = 0; o < STENCIL; o++)
             sum[o] = sum_recipe(s, &recipe[o], i, j);
-    s->coarse_excess[p] = share(s, i, j, 0, 0);
+    s->coarse_excess[p] = coarse_sum(s, i, j, 0, 0);
     for (int o = 0; o < STENCIL; o++) {
         int di = stencil_di[o], dj = stencil_dj[o];
         if (di >= -1 && di <= 1 && dj <= 1)
-            sum[o] = sym_add(sum[o], share(s, i, j, di, dj));
+            sum[o] = sym_add(sum[o], coarse_sum(s, i, j, di, dj));
         s->coarse_block[o * s->n_coarse + p] = sum[o];
     }
 }

@@ -38,8 +38,8 @@ sym ref_factor(struct wide_sym d)
 static struct wide_sym add_spring(const struct jacobi *s, struct wide_sym d,
                                   int64_t k)
 {
-    return s->n_thin ? wide_sym_thin(d, s->thin[k])
-                     : wide_sym_add(d, s->block[k]);
+    return s->n_packed ? wide_sym_packed(d, s->packed[k])
+                       : wide_sym_add(d, s->block[k]);
 }
 
 /* §1: returns the diagonal block of p, at (i, j). */

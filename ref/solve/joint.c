@@ -11,15 +11,15 @@
 
 static const real LAST_PART = R(2.0) / 3; /* of the last step, by Jacobi */
 
-/* The system of one cloth: its solver with hold as `extra`, on its part of the
+/* The system of one cloth: its solver with bound as `extra`, on its part of the
  * joint residual. Only its preconditioner is used. */
 static struct pcg part_of(const struct sheet *s, const struct joint *a)
 {
     struct pcg p = s->solver.pcg;
     p.block = s->dynamics.block;
-    p.thin = s->dynamics.thin;
+    p.packed = s->dynamics.packed;
     p.n_extra = p.count;
-    p.extra = a->hold + s->first;
+    p.extra = a->bound + s->first;
     p.r = a->r + s->first;
     p.n_z = 0;
     return p;
@@ -67,8 +67,8 @@ static real precondition(struct world *w, struct joint *a)
     return dot(a, a->r, a->q);
 }
 
-/* y = A x, or (A + wall) x, 0 where fixed. */
-static void multiply(struct world *w, const struct joint *a, bool with_walls,
+/* y = A x, or (A + single) x, 0 where fixed. */
+static void multiply(struct world *w, const struct joint *a, bool with_singles,
                      const vec *x, vec *y)
 {
     for (int k = 0; k < w->def.n_cloths; k++) {
@@ -80,8 +80,8 @@ static void multiply(struct world *w, const struct joint *a, bool with_walls,
                             .n = p->n,
                             .count = p->count,
                             .mass = p->mass,
-                            .n_extra = with_walls ? p->count : 0,
-                            .extra = a->wall + s->first,
+                            .n_extra = with_singles ? p->count : 0,
+                            .extra = a->single + s->first,
                             .n_blocks = p->n_cdf ? 0 : p->n_blocks,
                             .block = s->dynamics.block,
                             .n_cdf = p->n_cdf,
@@ -104,7 +104,7 @@ static void add_links(struct joint *a, const vec *x, vec *y)
     ref_links(&a->links);
 }
 
-/* Sets q to (A + wall + C) p and returns p·q. */
+/* Sets q to (A + single + C) p and returns p·q. */
 static real curvature_of(struct world *w, struct joint *a)
 {
     multiply(w, a, true, a->p, a->q);

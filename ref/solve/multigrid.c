@@ -68,7 +68,7 @@ int64_t ref_multigrid_size(struct multigrid *s)
     int32_t m = s->m, n = s->n;
     s->count = (int64_t)m * n;
     s->n_blocks = SPRINGS * s->count;
-    s->n_parts = s->n_thin ? s->n_blocks : 0;
+    s->n_parts = s->n_packed ? s->n_blocks : 0;
     s->n_pool = s->count;
     s->n_room = s->count;
     s->n_live = 2 * s->count;
@@ -103,8 +103,8 @@ static void multiply_coarse(const struct level *l)
     product_couplings(&c);
 }
 
-/* §3: computes y = A x on any grid; on the finest grid with the thin blocks, if
- * there are any. */
+/* §3: computes y = A x on any grid; on the finest grid with the packed blocks,
+ * if there are any. */
 static void multiply(const struct multigrid *s, const struct level *l)
 {
     struct product a = {.m = s->m,
@@ -129,7 +129,7 @@ static void multiply(const struct multigrid *s, const struct level *l)
     if (l->block) {
         multiply_coarse(l);
     } else {
-        c.thin = s->n_thin ? s->parts : NULL;
+        c.packed = s->n_packed ? s->parts : NULL;
         product_start(&a);
         product_couplings(&c);
     }
@@ -250,8 +250,8 @@ int ref_multigrid_build(struct multigrid *s)
                        .rule = l[0].rule};
     int status = ref_excess(&e);
     EACH_ITEM
-    for (int64_t k = 0; k < s->n_thin; k++)
-        s->parts[k] = thin_open(s->thin[k]);
+    for (int64_t k = 0; k < s->n_packed; k++)
+        s->parts[k] = packed_open(s->packed[k]);
     for (int k = 1; k < levels && status == DRAPE_OK; k++) {
         struct coarsen c = {.m = l[k - 1].m,
                             .n = l[k - 1].n,

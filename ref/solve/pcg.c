@@ -11,7 +11,7 @@ int64_t ref_pcg_size(struct pcg *s)
 {
     s->count = (int64_t)s->m * s->n;
     s->n_blocks = SPRINGS * s->count;
-    s->n_thin = s->precond == DRAPE_MULTIGRID ? s->n_blocks : 0;
+    s->n_packed = s->precond == DRAPE_MULTIGRID ? s->n_blocks : 0;
     s->n_chunks = sum_chunks(s->count);
     s->n_cdf = s->form == DRAPE_CDF ? ref_cdf(s->m, s->n).blocks : 0;
     struct multigrid none = {0};
@@ -19,7 +19,7 @@ int64_t ref_pcg_size(struct pcg *s)
     if (s->precond == DRAPE_MULTIGRID) {
         s->grid.m = s->m;
         s->grid.n = s->n;
-        s->grid.n_thin = s->n_thin;
+        s->grid.n_packed = s->n_packed;
     }
     return ref_multigrid_size(&s->grid) + s->n_cdf * (int64_t)sizeof(mat) +
            s->count * (int64_t)(2 * sizeof(sym) + 5 * sizeof(vec)) +
@@ -113,14 +113,14 @@ static void advance(vec *dv, vec *low, real alpha, vec p)
 }
 
 /* Gives multigrid the streams that it shares with the solve. */
-static void share(struct pcg *s)
+static void set_up_grid(struct pcg *s)
 {
     s->grid.mass = s->mass;
     s->grid.n_extra = s->n_extra;
     s->grid.extra = s->extra;
     s->grid.block = s->block;
-    s->grid.n_thin = s->n_thin;
-    s->grid.thin = s->thin;
+    s->grid.n_packed = s->n_packed;
+    s->grid.packed = s->packed;
     s->grid.triples = s->triples;
     s->grid.fixed = s->fixed;
     s->grid.factor = s->factor;
@@ -135,7 +135,7 @@ int pcg_open(struct pcg *s)
         s->precond < DRAPE_JACOBI || s->precond > DRAPE_MULTIGRID ||
         s->form < DRAPE_CDF || s->form > DRAPE_COMPACT)
         return DRAPE_EARG;
-    share(s);
+    set_up_grid(s);
     s->iterations = s->fell_back = 0;
     s->recurrence = s->residual = 0;
     s->outcome = PCG_CONVERGED;
@@ -163,8 +163,8 @@ int pcg_set_up(struct pcg *s, const struct pcg_stages *stages, void *backend)
                        .extra = s->extra,
                        .n_blocks = s->n_blocks,
                        .block = s->block,
-                       .n_thin = s->n_thin,
-                       .thin = s->thin,
+                       .n_packed = s->n_packed,
+                       .packed = s->packed,
                        .fixed = s->fixed,
                        .factor = s->factor};
     int status = s->n_cdf ? stages->matrix(backend, &a) : DRAPE_OK;
@@ -241,7 +241,7 @@ static bool step(struct pcg *s, real next, real *rho, bool first)
 }
 
 /* §4.1: whether r·M⁻¹r and |r|² have fallen below the tolerance. */
-static bool calm(struct pcg *s, real next, real square)
+static bool has_converged(struct pcg *s, real next, real square)
 {
     if (s->iterations == 0)
         s->scale = real_max(next, s->scale);
@@ -258,7 +258,7 @@ static int iterate(struct pcg *s, real square)
     for (bool first = true; s->iterations < s->max_iterations; first = false) {
         precondition(s);
         real next = dot(s, s->r, s->s);
-        if (s->energy && calm(s, next, left))
+        if (s->energy && has_converged(s, next, left))
             return PCG_CONVERGED;
         if (!pcg_positive(next) || !step(s, next, &rho, first))
             return PCG_BREAKDOWN;

@@ -6,18 +6,18 @@
  * rows is computed once. */
 enum { BAND = 16 };
 
-/* The blocks of one direction that start in one row of the grid. thin: read in
- * place of block, unless NULL. */
+/* The blocks of one direction that start in one row of the grid. packed: read
+ * in place of block, unless NULL. */
 struct edges {
     const sym *block;
-    const struct thin_parts *thin;
+    const struct packed_parts *packed;
 };
 
 /* §1: B (x_p - x_q) for particle p = i of the row, q = p + step. */
 static inline vec pull(struct edges b, int32_t i, const vec *x, int64_t step)
 {
     vec d = vec_sub(x[i], x[i + step]);
-    return b.thin ? thin_apply(b.thin[i], d) : sym_apply(b.block[i], d);
+    return b.packed ? packed_apply(b.packed[i], d) : sym_apply(b.block[i], d);
 }
 
 /* Adds each spring's term to both of its ends. As i ascends, a particle
@@ -56,7 +56,7 @@ static void pull_row(const struct couplings *c, int o, int32_t j, int32_t from,
     int32_t n = c->m - (di < 0 ? -di : di);
     int64_t p = first + (int64_t)c->m * j, step = di + (int64_t)c->m * dj;
     int64_t at = o * c->count + p;
-    struct edges b = {c->block + at, c->thin ? c->thin + at : NULL};
+    struct edges b = {c->block + at, c->packed ? c->packed + at : NULL};
     if (j < 0 || j + dj >= c->n)
         return;
     if (j >= from && j + dj < to)

@@ -3,7 +3,7 @@
 #include "ref/solve/solver.h"
 
 #include "ref/base/clock.h"
-#include "ref/base/thin.h"
+#include "ref/base/packed.h"
 #include "ref/cloth/cloth.h"
 #include "ref/cloth/dynamics.h"
 #include "ref/solve/matrix.h"
@@ -56,7 +56,7 @@ int solver_solve(struct dynamics *d)
     struct solver *s = d->solver;
     double start = clock_now();
     s->pcg.block = d->block;
-    s->pcg.thin = d->thin;
+    s->pcg.packed = d->packed;
     s->pcg.b = d->b;
     s->pcg.dv = d->dv;
     if (d->asked > 0)

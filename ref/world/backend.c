@@ -6,8 +6,8 @@
 #include "ref/base/stages.h"
 #include "ref/cloth/motion.h"
 #include "ref/contact/unknowns.h"
-#include "ref/sleep/rouse.h"
-#include "ref/world/led.h"
+#include "ref/sleep/wake.h"
+#include "ref/world/prescribed.h"
 
 static void *take(void *on, enum arena_part part, int64_t n, size_t size)
 {
@@ -118,7 +118,7 @@ static int ask(void *on, struct broad *b, const vec *x0, const vec *x1, real r,
                bool *apart)
 {
     (void)on;
-    return broad_whole_apart(b, x0, x1, r, apart);
+    return broad_meshes_apart(b, x0, x1, r, apart);
 }
 
 static int query(void *on, struct broad *b, const vec *x0, const vec *x1,
@@ -176,26 +176,26 @@ static void pin(void *on, int64_t n, const int32_t *pinned, const vec *x,
                 vec *to)
 {
     (void)on;
-    led_pin(n, pinned, x, to);
+    prescribed_pin(n, pinned, x, to);
 }
 
 static void blend(void *on, const struct blend *s)
 {
     (void)on;
-    led_blend(s);
+    prescribed_blend(s);
 }
 
 static void keep(void *on, int64_t n, const uint8_t *fixed, const vec *old,
                  vec *a)
 {
     (void)on;
-    led_keep(n, fixed, old, a);
+    prescribed_keep(n, fixed, old, a);
 }
 
 static bool sane(void *on, int64_t n, const vec *a)
 {
     (void)on;
-    return led_sane(n, a);
+    return prescribed_sane(n, a);
 }
 
 static void laws(void *on, struct sheet *s)
@@ -208,40 +208,41 @@ static bool differs(void *on, int64_t n, const int32_t *at, const vec *x0,
                     const vec *x1)
 {
     (void)on;
-    return led_differs(n, at, x0, x1);
+    return prescribed_differs(n, at, x0, x1);
 }
 
-static void rouse(void *on, struct rouse *s)
+static void find_disturbed(void *on, struct wake *s)
 {
     (void)on;
-    rouse_near(s);
+    wake_find(s);
 }
 
-static void mask(void *on, int64_t n, const uint16_t *body,
-                 const uint8_t *awake, uint8_t *to)
+static void set_mask(void *on, int64_t n, const uint16_t *body,
+                     const uint8_t *awake, uint8_t *to)
 {
     (void)on;
-    rouse_mask(n, body, awake, to);
+    wake_mask(n, body, awake, to);
 }
 
-static void ways(void *on, int64_t n, const uint16_t *body, const vec *x0,
-                 const vec *x1, int bodies, real *most)
+static void find_displacements(void *on, int64_t n, const uint16_t *body,
+                               const vec *x0, const vec *x1, int bodies,
+                               real *most)
 {
     (void)on;
-    rouse_ways(n, body, x0, x1, bodies, most);
+    wake_displacements(n, body, x0, x1, bodies, most);
 }
 
 static void velocities(void *on, int64_t n, const vec *x0, const vec *x1,
                        real dt, vec *v)
 {
     (void)on;
-    led_velocities(n, x0, x1, dt, v);
+    prescribed_velocities(n, x0, x1, dt, v);
 }
 
 static real furthest(void *on, int64_t n, const vec *x0, const vec *x1)
 {
     (void)on;
-    return led_furthest(n, x0, x1);
+    return prescribed_furthest(n, x0, x1);
 }
 
 static int ending_streams(void *on, struct audit *s, int64_t nt, int64_t cloths)
@@ -289,7 +290,7 @@ const struct backend backend_ref = {.take = take,
                                     .joint_set_up = joint_set_up,
                                     .joint_measure = joint_measure,
                                     .joint = joint_solve,
-                                    .broad_whole_apart = ask,
+                                    .broad_meshes_apart = ask,
                                     .broad_query = query,
                                     .start = start,
                                     .advance = advance,
@@ -305,11 +306,11 @@ const struct backend backend_ref = {.take = take,
                                     .sane = sane,
                                     .fetch = copy,
                                     .laws = laws,
-                                    .moves = led_moves,
+                                    .moves = prescribed_moves,
                                     .differs = differs,
-                                    .rouse = rouse,
-                                    .mask = mask,
-                                    .ways = ways,
+                                    .wake_find = find_disturbed,
+                                    .wake_mask = set_mask,
+                                    .wake_displacements = find_displacements,
                                     .velocities = velocities,
                                     .furthest = furthest,
                                     .ending_streams = ending_streams};

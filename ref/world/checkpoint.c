@@ -19,7 +19,7 @@ struct header {
     uint64_t fingerprint, check; /* check: a hash of all other bytes */
     int64_t step, vertices, intersecting;
     double time;
-    uint32_t near, past;
+    uint32_t nearness, past;
     int64_t kept; /* of struct kept, behind the streams */
     drape_wind wind;
 };
@@ -165,7 +165,7 @@ static struct header header_of(const struct world *w)
     h.vertices = w->nv;
     h.intersecting = w->intersecting;
     h.time = w->time;
-    h.near = (uint32_t)w->near;
+    h.nearness = (uint32_t)w->nearness;
     h.past = (uint32_t)w->past;
     h.wind = w->def.wind;
     return h;
@@ -214,7 +214,8 @@ int checkpoint_save(const struct world *w, drape_write *write, void *user)
     size_t bytes[STREAMS];
     int n = 0;
     struct kept *kept = NULL;
-    struct changes c = {.bytes = control_pack(w, NULL), .armed = w->told.armed};
+    struct changes c = {.bytes = control_pack(w, NULL),
+                        .armed = w->targets.armed};
     memcpy(c.gravity, w->def.gravity, sizeof c.gravity);
     bool plain = c.bytes == 0 && same_gravity(w);
     memcpy(h.magic, plain ? magic : changed, sizeof magic);
@@ -239,7 +240,7 @@ int checkpoint_save(const struct world *w, drape_write *write, void *user)
         add_part(&p, &n, stream[k], bytes[k]);
     add_part(&p, &n, kept, (size_t)h.kept * sizeof *kept);
     if (c.armed)
-        add_part(&p, &n, w->told.to, (size_t)w->nv * sizeof(vec));
+        add_part(&p, &n, w->targets.to, (size_t)w->nv * sizeof(vec));
     status = write_parts(&h, &p, n, write, user);
     arena_give(w->arena, pack);
     arena_give(w->arena, kept);
@@ -285,10 +286,10 @@ enum { MOST_KEPT = 1 << 29 };
 static bool good_last(const struct world *w, const struct header *h)
 {
     int64_t pairs = w->plan.collides ? w->nt * (w->nt - 1) / 2 : 0;
-    uint32_t near = w->plan.collides ? NEAR_CONTACTS : NEAR_NONE;
+    uint32_t most = w->plan.collides ? NEAR_CONTACTS : NEAR_NONE;
     int past = w->past_x ? 1 + deepest(w) : 0;
     return h->intersecting >= 0 && h->intersecting <= pairs &&
-           h->near <= near && h->past <= (uint32_t)past &&
+           h->nearness <= most && h->past <= (uint32_t)past &&
            (h->kept == 0 || w->plan.solves);
 }
 
@@ -449,7 +450,8 @@ static int read_streams(struct world *w, drape_read_bytes *read, void *user,
 static bool good_obstacle(const struct world *w, const struct read *r, int k)
 {
     const struct prop *p = &w->prop[k];
-    if (p->moves || (r->c.bytes && control_told(w, r->pack, r->c.bytes, k)))
+    if (p->moves ||
+        (r->c.bytes && control_is_targeted(w, r->pack, r->c.bytes, k)))
         return true;
     const double *rest = w->home->prop[k].place.rest;
     const uint8_t *at = r->aside + (size_t)p->first * sizeof(vec);
@@ -518,7 +520,7 @@ static int apply(struct world *w, const struct read *r)
     w->intersecting = h->intersecting;
     w->time = h->time;
     sleep_forget(w);
-    w->near = (enum nearness)h->near;
+    w->nearness = (enum nearness)h->nearness;
     w->past = (int)h->past;
     return kept_spread(w, r->kept, h->kept, r->part);
 }

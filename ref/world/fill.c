@@ -7,7 +7,7 @@
 #include <stdio.h>
 
 #include "ref/cloth/table.h"
-#include "ref/world/lead.h"
+#include "ref/world/prescribe.h"
 
 static void *take(struct world *w, enum arena_part part, int64_t n, size_t size)
 {
@@ -292,7 +292,7 @@ int fill_streams(struct world *w, const drape_def *def, drape_error *error)
     for (int k = 0; k < def->n_obstacles && status == DRAPE_OK; k++)
         status = fill_obstacle(w, &def->obstacles[k], k);
     if (status == DRAPE_OK)
-        status = lead(w, 0, w->x0);
+        status = prescribe_positions(w, 0, w->x0);
     if (status == DRAPE_OK)
         memcpy(w->x1, w->x0, (size_t)w->nv * sizeof *w->x0);
     return status;

@@ -18,7 +18,8 @@ static int find_key(const drape_motion *m, double t, double *blend)
 
 /* §2.2: interpolates linearly between two unit quaternions by the shorter way
  * round, and normalises the result q. */
-static void turn(const double a[4], const double b[4], double s, double q[4])
+static void blend_rotations(const double a[4], const double b[4], double s,
+                            double q[4])
 {
     double along = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
     double sign = along < 0 ? -1 : 1;
@@ -55,7 +56,7 @@ struct pose kinematics_pose(const drape_motion *motion, double t)
         pose.pivot[i] = motion->pivot[i];
     }
     if (motion->rotation)
-        turn(motion->rotation[k], motion->rotation[next], blend, q);
+        blend_rotations(motion->rotation[k], motion->rotation[next], blend, q);
     rows(q, pose.rotation);
     return pose;
 }

@@ -6,17 +6,17 @@
 #include "ref/base/clock.h"
 #include "ref/world/state.h"
 
-/* WHOLE: a step in units of the shortest slice. TRIES: how many slices of a
- * step may be taken again after the fail-safe. ROUNDS: most rounds of impulses
- * in a slice that is a whole step and may be taken again. */
-enum { WHOLE = 64, TRIES = 3, ROUNDS = 12 };
+/* STEP_UNITS: a step in units of the shortest slice. TRIES: how many slices of
+ * a step may be taken again after the fail-safe. ROUNDS: most rounds of
+ * impulses in a slice that is a whole step and may be taken again. */
+enum { STEP_UNITS = 64, TRIES = 3, ROUNDS = 12 };
 /* §7.2: how many cells candidates may move relative to each other in a slice
  * whose contacts are not solved with the cloths. */
 static const real CELLS = 4;
 
 static int unit(const struct slicing *s)
 {
-    return WHOLE >> s->level;
+    return STEP_UNITS >> s->level;
 }
 
 /* Returns the square of the relative displacement that §7.2 allows, m². */
@@ -38,18 +38,18 @@ double slice_time(struct world *w)
 {
     const struct slicing *s = &w->slicing;
     w->dt = w->def.dt / (1 << s->level);
-    double part = (double)(s->done + unit(s)) / WHOLE;
+    double part = (double)(s->done + unit(s)) / STEP_UNITS;
     return ((double)w->step + part) * w->def.dt;
 }
 
 double slice_part(const struct world *w)
 {
-    return (double)(w->slicing.done + unit(&w->slicing)) / WHOLE;
+    return (double)(w->slicing.done + unit(&w->slicing)) / STEP_UNITS;
 }
 
 bool slice_last(const struct world *w)
 {
-    return w->slicing.done == WHOLE;
+    return w->slicing.done == STEP_UNITS;
 }
 
 bool slice_too_far(struct world *w, real travel)

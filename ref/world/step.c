@@ -11,7 +11,7 @@
 #include "ref/sleep/sleep.h"
 #include "ref/world/collide.h"
 #include "ref/world/ending.h"
-#include "ref/world/lead.h"
+#include "ref/world/prescribe.h"
 #include "ref/world/restore.h"
 #include "ref/world/slice.h"
 
@@ -28,7 +28,7 @@ struct step {
 };
 
 /* Whether the rest of the current slice is to be computed. */
-static bool goes_on(const struct step *s)
+static bool slice_continues(const struct step *s)
 {
     return s->status == DRAPE_OK && !s->again &&
            !(s->r.outcome & DRAPE_DIVERGED);
@@ -56,7 +56,8 @@ static void report_energy(drape_step_report *r, const double energy[3])
     r->potential = energy[2];
 }
 
-/* Starts a step. Where all cloths are asleep and nothing is led that is all. */
+/* Starts a step. Where all cloths are asleep and nothing is prescribed that is
+ * all. */
 static void begin(struct world *w, struct step *s)
 {
     w->run->begin(w->on);
@@ -69,9 +70,9 @@ static void begin(struct world *w, struct step *s)
     sleep_note(w);
     slice_begin(w);
     control_begin(w);
-    if (sleep_all(w) && w->plan.led)
-        s->status = lead(w, slice_time(w), w->x1);
-    s->asleep = sleep_all(w) && s->status == DRAPE_OK && !lead_moves(w);
+    if (sleep_all(w) && w->plan.prescribed)
+        s->status = prescribe_positions(w, slice_time(w), w->x1);
+    s->asleep = sleep_all(w) && s->status == DRAPE_OK && !prescribe_moves(w);
     if (s->asleep)
         s->all->outcome = DRAPE_ASLEEP;
     else if (s->status == DRAPE_OK)
@@ -89,10 +90,10 @@ static void place(struct world *w, struct step *s)
     memset(&s->r, 0, sizeof s->r);
     s->again = false;
     w->met = false;
-    s->status = lead(w, slice_time(w), w->x1);
-    w->leads = s->status == DRAPE_OK && lead_moves(w);
+    s->status = prescribe_positions(w, slice_time(w), w->x1);
+    w->prescribes = s->status == DRAPE_OK && prescribe_moves(w);
     if (s->status == DRAPE_OK)
-        s->status = sleep_look(w);
+        s->status = sleep_begin_slice(w);
     w->run->trace(w->on, w->tracing, "kinematics", w->x1 + w->nc,
                   (size_t)(w->nv - w->nc) * sizeof *w->x1);
 }
@@ -143,7 +144,7 @@ static int move_sheets(struct world *w, drape_step_report *r)
         if (sleep_awake(w, k))
             prepare_sheet(w, k);
     lagrange_forget(w);
-    if (w->plan.solves && w->near >= NEAR_CONTACTS)
+    if (w->plan.solves && w->nearness >= NEAR_CONTACTS)
         return lagrange_begin(w);
     for (int k = 0; k < n && status == DRAPE_OK; k++)
         if (sleep_awake(w, k))
@@ -161,10 +162,10 @@ static int move_sheets(struct world *w, drape_step_report *r)
  * that is allowed; else it ends the step. */
 static void move(struct world *w, struct step *s)
 {
-    if (goes_on(s))
+    if (slice_continues(s))
         s->status = move_sheets(w, &s->r);
-    if (s->status == DRAPE_OK && w->plan.led)
-        lead_velocities(w);
+    if (s->status == DRAPE_OK && w->plan.prescribed)
+        prescribe_velocities(w);
     slice_charge(w, &s->r, DRAPE_PART_INTEGRATION, &s->last,
                  s->r.seconds[DRAPE_PART_SOLVER]);
     if (s->r.outcome & DRAPE_DIVERGED)
@@ -173,15 +174,15 @@ static void move(struct world *w, struct step *s)
 
 static void check_travel(struct world *w, struct step *s)
 {
-    if (goes_on(s) && w->plan.collides && !w->plan.solves)
+    if (slice_continues(s) && w->plan.collides && !w->plan.solves)
         s->status = collide_far(w, &s->r, &s->last, &s->again);
 }
 
-/* §3.3: positions were in range before. If one no longer is, contact led it
- * beyond, and the slice has diverged. */
+/* §3.3: positions were in range before. If one no longer is, contact prescribed
+ * it beyond, and the slice has diverged. */
 static void handle_contact(struct world *w, struct step *s)
 {
-    if (!goes_on(s) || !w->plan.collides || w->sleep->roused)
+    if (!slice_continues(s) || !w->plan.collides || w->sleep->woken)
         return;
     s->status = collide(w, &s->r, &s->last);
     if (s->status == DRAPE_EDATA) {
@@ -196,16 +197,16 @@ static void handle_contact(struct world *w, struct step *s)
  * again. */
 static void rouse(struct world *w, struct step *s)
 {
-    if (s->status != DRAPE_OK || !w->sleep->roused)
+    if (s->status != DRAPE_OK || !w->sleep->woken)
         return;
-    s->status = sleep_end(w);
+    s->status = sleep_wake_disturbed(w);
     s->again = true;
 }
 
 /* §3.4: in empty space nothing but gravity changes momentum. */
 static void conserve(struct world *w, struct step *s)
 {
-    if (goes_on(s))
+    if (slice_continues(s))
         s->status = conserve_momentum(w, s->r.outcome);
 }
 
@@ -217,7 +218,7 @@ static void check(struct world *w, struct step *s)
 {
     double after[3] = {0};
     bool anew = w->met && w->reported;
-    if (!goes_on(s))
+    if (!slice_continues(s))
         return;
     for (int k = 0; k < w->def.n_cloths; k++) {
         const struct dynamics *d = &w->sheet[k].dynamics;
@@ -263,7 +264,7 @@ static void commit(struct world *w, int outcome)
 {
     if (w->plan.history)
         remember(w);
-    w->near = state_nearness(&w->response);
+    w->nearness = state_nearness(&w->response);
     lagrange_commit(w);
     for (int k = 0; k < w->def.n_cloths; k++) {
         if (!sleep_awake(w, k))
@@ -287,9 +288,10 @@ static void finish(struct world *w, struct step *s)
 {
     bool doubt = ending_doubtful(w, s->r.outcome);
     slice_report(s->all, &s->r, !s->again);
-    if (goes_on(s) && w->slicing.done == 0 && (w->slicing.level > 0 || doubt))
+    if (slice_continues(s) && w->slicing.done == 0 &&
+        (w->slicing.level > 0 || doubt))
         s->status = restore_save(w);
-    if (goes_on(s))
+    if (slice_continues(s))
         commit(w, s->r.outcome);
 }
 

@@ -4,34 +4,34 @@
 #include "ref/api/ops.h"
 #include "ref/control/air.h"
 #include "ref/control/control.h"
-#include "ref/control/heir.h"
+#include "ref/control/edit.h"
 #include "ref/control/list.h"
 #include "ref/sleep/sleep.h"
 #include "ref/world/checkpoint.h"
+#include "ref/world/connect.h"
 #include "ref/world/fill.h"
 #include "ref/world/start.h"
 #include "ref/world/state.h"
 #include "ref/world/step.h"
-#include "ref/world/wire.h"
 
 /* The hashes of the bodies; those of an heir are known but for a new body. */
 static int make_prints(struct world *w, const drape_def *def,
-                       const struct heir *heir)
+                       const struct edited *edited)
 {
     int bodies = def->n_cloths + def->n_obstacles;
     w->print = arena_take(w->arena, ARENA_OTHER, bodies, sizeof *w->print);
     if (!w->print)
         return DRAPE_ENOMEM;
-    for (int k = 0; k < bodies && heir; k++)
-        if (heir->from[k] >= 0)
-            w->print[k] = heir->old->print[heir->from[k]];
+    for (int k = 0; k < bodies && edited; k++)
+        if (edited->from[k] >= 0)
+            w->print[k] = edited->old->print[edited->from[k]];
     w->fingerprint = checkpoint_fingerprint(def, w->print);
     return DRAPE_OK;
 }
 
-int world_make_heir(const drape_def *def, const struct heir *heir,
-                    struct arena *arena, struct world **world,
-                    drape_error *error)
+int world_make_edited(const drape_def *def, const struct edited *edited,
+                      struct arena *arena, struct world **world,
+                      drape_error *error)
 {
     struct world *w = arena_take(arena, ARENA_OTHER, 1, sizeof *w);
     if (!w)
@@ -54,27 +54,27 @@ int world_make_heir(const drape_def *def, const struct heir *heir,
     w->posed = w->pose;
     if (arena->failed)
         return DRAPE_ENOMEM;
-    int status = make_prints(w, def, heir);
+    int status = make_prints(w, def, edited);
     if (status == DRAPE_OK)
         status = sleep_make(w);
     if (status == DRAPE_OK)
         status = fill_sizes(w, def, error);
     if (status == DRAPE_OK)
         status = fill_streams(w, def, error);
-    if (status == DRAPE_OK && heir)
-        heir_sizes(w, heir);
+    if (status == DRAPE_OK && edited)
+        edit_keep_sizes(w, edited);
     else if (status == DRAPE_OK && w->plan.collides)
         status = start_audit(w, error);
     if (status == DRAPE_OK)
-        status = wire_stages(w, def);
+        status = connect_stages(w, def);
     if (status == DRAPE_OK)
         status = start_substeps(w, error);
     if (status == DRAPE_OK && w->plan.wind && def->backend == DRAPE_REF)
         status = air_take(w);
     if (status == DRAPE_OK)
         air_set(w, &def->wind);
-    w->told.planned = w->plan.led;
-    w->told.able = w->broad.apart.able;
+    w->targets.planned = w->plan.prescribed;
+    w->targets.able = w->broad.apart.able;
     *world = w;
     return status;
 }
@@ -82,7 +82,7 @@ int world_make_heir(const drape_def *def, const struct heir *heir,
 int world_make(const drape_def *def, struct arena *arena, struct world **world,
                drape_error *error)
 {
-    return world_make_heir(def, NULL, arena, world, error);
+    return world_make_edited(def, NULL, arena, world, error);
 }
 
 static void copy_out(double (*out)[3], const vec *a, int64_t n)
@@ -129,7 +129,7 @@ const struct world_ops world_ops = {.make = world_make,
                                     .wake = sleep_wake,
                                     .set_wind = control_wind,
                                     .control = CONTROL_OPS,
-                                    .heir = HEIR_OPS(world_make_heir),
+                                    .edit = EDIT_OPS(world_make_edited),
                                     .contacts = list_contacts,
                                     .plan = plan_rows,
                                     .save = checkpoint_save,

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Connects the stages that a scene uses to its streams and settings. */
-#include "ref/world/wire.h"
+#include "ref/world/connect.h"
 
+#include "ref/base/packed.h"
 #include "ref/base/sum.h"
-#include "ref/base/thin.h"
 #include "ref/contact/unknowns.h"
 #include "ref/world/collide.h"
 
@@ -38,7 +38,7 @@ static int make_dynamics(struct world *w, struct sheet *s, const drape_def *def)
     int64_t springs = SPRINGS * c->count;
     d->block = take(w, ARENA_SOLVER, springs, sizeof *d->block);
     if (def->precond == DRAPE_MULTIGRID)
-        d->thin = take(w, ARENA_SOLVER, springs, sizeof *d->thin);
+        d->packed = take(w, ARENA_SOLVER, springs, sizeof *d->packed);
     if (d->newton > 1)
         d->kept = take(w, ARENA_SOLVER, 2 * c->count, sizeof *d->kept);
     d->solve = solver_solve;
@@ -86,10 +86,10 @@ static int make_response(struct world *w, const drape_def *def)
     c->nv = w->nv;
     c->trace = w->tracing;
     c->w = w->w;
-    c->skin.n = def->n_cloths + def->n_obstacles;
-    c->skin.of = w->body;
-    c->skin.surface = w->surface;
-    c->fan = w->broad.tree.fan;
+    c->surfaces.n = def->n_cloths + def->n_obstacles;
+    c->surfaces.of = w->body;
+    c->surfaces.surface = w->surface;
+    c->one_rings = w->broad.tree.one_rings;
     for (int k = 0; k < def->n_cloths; k++)
         c->stiffness =
             real_max(c->stiffness,
@@ -115,7 +115,7 @@ static int make_response(struct world *w, const drape_def *def)
     return w->plan.solves ? unknowns_make(w) : DRAPE_OK;
 }
 
-int wire_stages(struct world *w, const drape_def *def)
+int connect_stages(struct world *w, const drape_def *def)
 {
     int status = DRAPE_OK;
     for (int k = 0; k < def->n_cloths && status == DRAPE_OK; k++)

@@ -6,9 +6,9 @@
 #include "ref/sleep/sleep.h"
 #include "ref/world/start.h"
 
-int control_take_told(struct world *w)
+int control_take_targets(struct world *w)
 {
-    struct told *t = &w->told;
+    struct targets *t = &w->targets;
     if (!t->from)
         t->from = w->run->take(w->on, ARENA_STATE, w->nv, sizeof *t->from);
     if (!t->to)
@@ -16,34 +16,34 @@ int control_take_told(struct world *w)
     return t->from && t->to ? DRAPE_OK : w->run->status(w->on);
 }
 
-/* §3: a target is told: what is led goes there from where it is. */
+/* §3: a target is told: what is prescribed goes there from where it is. */
 static void arm(struct world *w)
 {
     size_t bytes = (size_t)w->nv * sizeof *w->x0;
-    if (!w->told.armed) { /* what is told no other target stays */
-        w->run->copy(w->on, w->told.from, w->x0, bytes);
-        w->run->copy(w->on, w->told.to, w->x0, bytes);
+    if (!w->targets.armed) { /* what is told no other target stays */
+        w->run->copy(w->on, w->targets.from, w->x0, bytes);
+        w->run->copy(w->on, w->targets.to, w->x0, bytes);
     }
-    w->told.armed = true;
-    w->plan.led = true;
+    w->targets.armed = true;
+    w->plan.prescribed = true;
     sleep_wake(w);
 }
 
 void control_begin(struct world *w)
 {
     bool moves = false;
-    for (int k = 0; k < w->def.n_obstacles && w->told.armed; k++)
-        moves |= w->prop[k].told && !w->prop[k].moves;
+    for (int k = 0; k < w->def.n_obstacles && w->targets.armed; k++)
+        moves |= w->prop[k].targeted && !w->prop[k].moves;
     w->broad.restless = moves;
-    if (w->told.stirred && !moves)
+    if (w->targets.stirred && !moves)
         w->broad.started = false; /* where it stands now */
-    w->told.stirred = moves;
+    w->targets.stirred = moves;
 }
 
 void control_end(struct world *w, bool failed)
 {
     if (!failed)
-        w->told.armed = false;
+        w->targets.armed = false;
     w->list.known = !failed;
 }
 
@@ -63,38 +63,38 @@ int control_mark(const struct cloth *c, int64_t n, const int32_t *particle,
     return DRAPE_OK;
 }
 
-void control_drop_hand(struct world *w, struct hand *hand)
+void control_drop_pins(struct world *w, struct caller_pins *pins)
 {
-    arena_give(w->arena, hand->list);
-    w->run->give(w->on, hand->at);
-    w->run->give(w->on, hand->x);
-    *hand = (struct hand){0};
+    arena_give(w->arena, pins->list);
+    w->run->give(w->on, pins->at);
+    w->run->give(w->on, pins->x);
+    *pins = (struct caller_pins){0};
 }
 
-int control_make_hand(struct world *w, int64_t n, const int32_t *particle,
-                      struct hand *hand)
+int control_make_pins(struct world *w, int64_t n, const int32_t *particle,
+                      struct caller_pins *pins)
 {
     size_t bytes = (size_t)n * sizeof *particle;
-    *hand = (struct hand){.on = true, .n = n};
-    hand->list = arena_take(w->arena, ARENA_CLOTH, n, sizeof *hand->list);
-    hand->at = w->run->take(w->on, ARENA_CLOTH, n, sizeof *hand->at);
-    hand->x = w->run->take(w->on, ARENA_CLOTH, n, sizeof *hand->x);
+    *pins = (struct caller_pins){.on = true, .n = n};
+    pins->list = arena_take(w->arena, ARENA_CLOTH, n, sizeof *pins->list);
+    pins->at = w->run->take(w->on, ARENA_CLOTH, n, sizeof *pins->at);
+    pins->x = w->run->take(w->on, ARENA_CLOTH, n, sizeof *pins->x);
     if (!w->to)
         w->to = w->run->take(w->on, ARENA_STATE, w->nc, sizeof *w->to);
-    if (!hand->list || !hand->at || !hand->x || !w->to) {
-        control_drop_hand(w, hand);
+    if (!pins->list || !pins->at || !pins->x || !w->to) {
+        control_drop_pins(w, pins);
         return DRAPE_ENOMEM;
     }
     if (n > 0)
-        memcpy(hand->list, particle, bytes);
-    w->run->send(w->on, hand->at, hand->list, bytes);
+        memcpy(pins->list, particle, bytes);
+    w->run->send(w->on, pins->at, pins->list, bytes);
     return w->run->status(w->on);
 }
 
 /* Exchanges the pins of a cloth for these. DRAPE_ELIMIT, and the old pins hold,
  * if that needs more substeps than max_substeps. */
-static int exchange(struct world *w, int cloth, struct hand *hand,
-                    uint8_t *fixed)
+static int exchange_pins(struct world *w, int cloth, struct caller_pins *pins,
+                         uint8_t *fixed)
 {
     struct sheet *s = &w->sheet[cloth];
     struct cloth *c = &w->home->sheet[cloth].cloth, was = *c;
@@ -103,63 +103,64 @@ static int exchange(struct world *w, int cloth, struct hand *hand,
         c->fixed[p] = fixed[p];
         fixed[p] = old;
     }
-    c->n_pinned = hand->n;
+    c->n_pinned = pins->n;
     ref_cloth_weigh(c);
     if (start_too_stiff(w, c)) {
         memcpy(c->fixed, fixed, (size_t)c->count);
         *c = was;
         return DRAPE_ELIMIT;
     }
-    struct hand old = s->hand;
-    s->hand = *hand;
-    *hand = old;
+    struct caller_pins old = s->caller_pins;
+    s->caller_pins = *pins;
+    *pins = old;
     control_tell_cloth(w, cloth);
     return DRAPE_OK;
 }
 
-static int replace(struct world *w, int cloth, int64_t n,
-                   const int32_t *particle)
+static int replace_pins(struct world *w, int cloth, int64_t n,
+                        const int32_t *particle)
 {
     const struct cloth *c = &w->home->sheet[cloth].cloth;
-    struct hand hand = {0};
+    struct caller_pins pins = {0};
     uint8_t *fixed = arena_take(w->arena, ARENA_OTHER, c->count, 1);
     int status = fixed ? control_mark(c, n, particle, fixed) : DRAPE_ENOMEM;
     if (status == DRAPE_OK)
-        status = control_make_hand(w, n, particle, &hand);
+        status = control_make_pins(w, n, particle, &pins);
     if (status == DRAPE_OK)
-        status = exchange(w, cloth, &hand, fixed);
-    control_drop_hand(w, &hand);
+        status = exchange_pins(w, cloth, &pins, fixed);
+    control_drop_pins(w, &pins);
     arena_give(w->arena, fixed);
     return status;
 }
 
-static bool holds(const struct hand *hand, int64_t n, const int32_t *particle)
+static bool has_pins(const struct caller_pins *pins, int64_t n,
+                     const int32_t *particle)
 {
-    return hand->on && hand->n == n &&
+    return pins->on && pins->n == n &&
            (n == 0 ||
-            !memcmp(hand->list, particle, (size_t)n * sizeof *particle));
+            !memcmp(pins->list, particle, (size_t)n * sizeof *particle));
 }
 
 int control_pins(struct world *w, int cloth, int64_t n, const int32_t *particle,
                  struct given x)
 {
     struct sheet *s = &w->sheet[cloth];
-    vec *told = w->x1 + s->first; /* the cloth's part is free between steps */
+    vec *target = w->x1 + s->first; /* the cloth's part is free between steps */
     w->run->begin(w->on);
     w->arena->failed = false;
-    int status = control_take_told(w);
+    int status = control_take_targets(w);
     if (status == DRAPE_OK && (x.here || x.there))
-        status = control_take(w, x, n, w->home->x1 + s->first, told);
-    if (status == DRAPE_OK && !holds(&s->hand, n, particle))
-        status = replace(w, cloth, n, particle);
+        status = control_take(w, x, n, w->home->x1 + s->first, target);
+    if (status == DRAPE_OK && !has_pins(&s->caller_pins, n, particle))
+        status = replace_pins(w, cloth, n, particle);
     if (status != DRAPE_OK)
         return status;
     arm(w);
-    vec *to = w->told.to + s->first;
+    vec *to = w->targets.to + s->first;
     w->run->copy(w->on, to, w->x0 + s->first,
                  (size_t)s->cloth.count * sizeof *to);
     if (x.here || x.there)
-        w->run->pin(w->on, n, s->hand.at, told, to);
+        w->run->pin(w->on, n, s->caller_pins.at, target, to);
     return w->run->status(w->on);
 }
 
@@ -170,8 +171,8 @@ static int tell_obstacle(struct world *w, struct prop *p)
     vec *x1 = w->x1 + p->first;
     size_t bytes = (size_t)p->place.n * sizeof *x1;
     arm(w);
-    w->run->copy(w->on, w->told.to + p->first, x1, bytes);
-    p->told = true;
+    w->run->copy(w->on, w->targets.to + p->first, x1, bytes);
+    p->targeted = true;
     w->broad.apart.able &= p->moves;
     return w->run->status(w->on);
 }
@@ -188,7 +189,7 @@ int control_obstacle(struct world *w, int obstacle, struct given x)
 {
     struct prop *p = &w->prop[obstacle];
     w->run->begin(w->on);
-    int status = control_take_told(w);
+    int status = control_take_targets(w);
     if (status == DRAPE_OK)
         status = control_take(w, x, p->place.n, w->home->x1 + p->first,
                               w->x1 + p->first);
@@ -202,7 +203,7 @@ int control_pose(struct world *w, int obstacle, const drape_motion *motion)
     if (p->frames)
         return DRAPE_EARG;
     w->run->begin(w->on);
-    int status = control_take_told(w);
+    int status = control_take_targets(w);
     if (!p->none)
         p->none =
             w->run->take(w->on, ARENA_OBSTACLE, p->place.n, sizeof *p->none);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The polynomials of a pair with big-integer coefficients.
  * spec/narrow/narrow.md §2, §6.1 */
-#ifndef REF_WHOLE_H
-#define REF_WHOLE_H
+#ifndef REF_SYSTEM_H
+#define REF_SYSTEM_H
 
 #include "ref/narrow/point.h"
 

@@ -1,19 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Loops of the reference over led vertices and over displacements. The device
- * has the same in gpu/world/led.cu. spec/world/step.md §1, §6, §7 */
-#ifndef REF_LED_H
-#define REF_LED_H
+/* Loops of the reference over prescribed vertices and over displacements. The
+ * device has the same in gpu/world/prescribed.cu. spec/world/step.md §1, §6, §7
+ */
+#ifndef REF_PRESCRIBED_H
+#define REF_PRESCRIBED_H
 
 #include "ref/world/state.h"
 
 /* Writes the place of each of n pins to its particle: to[pinned[k]] = x[k]. */
-void led_pin(int64_t n, const int32_t *pinned, const vec *x, vec *to);
+void prescribed_pin(int64_t n, const int32_t *pinned, const vec *x, vec *to);
 /* Whether an obstacle or a pin has another place in x1 than in x0, compared by
  * bits. */
-bool led_moves(const struct world *w);
+bool prescribed_moves(const struct world *w);
 /* Whether n vertices, or those that `at` names, have other bits in x0 than the
  * n of x1. */
-bool led_differs(int64_t n, const int32_t *at, const vec *x0, const vec *x1);
+bool prescribed_differs(int64_t n, const int32_t *at, const vec *x0,
+                        const vec *x1);
 /* A part of the straight way of n items to where they are told to be. */
 struct blend {
     int64_t n;
@@ -22,14 +24,15 @@ struct blend {
     double part;          /* of the way, 0 … 1; 1: `to` itself */
     vec *x;               /* out: [n] m, by item */
 };
-void led_blend(const struct blend *s);
+void prescribed_blend(const struct blend *s);
 /* Puts back old[i] into a[i] of n particles where they are fixed. */
-void led_keep(int64_t n, const uint8_t *fixed, const vec *old, vec *a);
+void prescribed_keep(int64_t n, const uint8_t *fixed, const vec *old, vec *a);
 /* Whether all n vectors are finite and within |a| ≤ 2^60. */
-bool led_sane(int64_t n, const vec *a);
+bool prescribed_sane(int64_t n, const vec *a);
 /* Sets v [n] to the mean velocity (x1 - x0) / dt of n vertices. */
-void led_velocities(int64_t n, const vec *x0, const vec *x1, real dt, vec *v);
+void prescribed_velocities(int64_t n, const vec *x0, const vec *x1, real dt,
+                           vec *v);
 /* Returns the square of the largest displacement of n vertices, m². */
-real led_furthest(int64_t n, const vec *x0, const vec *x1);
+real prescribed_furthest(int64_t n, const vec *x0, const vec *x1);
 
 #endif

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Makes the definition of a world whose bodies were changed, and hands over the
  * state. spec/control/control.md §9 */
-#include "ref/control/heir.h"
+#include "ref/control/edit.h"
 
 #include "ref/api/ops.h"
 #include "ref/contact/kept.h"
 #include "ref/control/control.h"
 #include "ref/world/ending.h"
-#include "ref/world/lead.h"
+#include "ref/world/prescribe.h"
 #include "ref/world/start.h"
 
 /* §9.1: the definition. */
@@ -69,45 +69,45 @@ static int define_obstacle(const struct world *w, int k, struct arena *arena,
 }
 
 /* Lists the bodies that stay and the new one, and sets their numbers. */
-static void list_bodies(const struct world *old, const struct edit *edit,
-                        drape_def *def, struct heir *heir)
+static void list_bodies(const struct world *old, const struct scene_edit *edit,
+                        drape_def *def, struct edited *edited)
 {
     int cloths = old->def.n_cloths, all = cloths + old->def.n_obstacles, n = 0;
-    heir->added = -1;
+    edited->added = -1;
     for (int k = 0; k < cloths; k++)
         if (k != edit->removed)
-            heir->from[n++] = k;
+            edited->from[n++] = k;
     if (edit->cloth)
-        heir->from[heir->added = n++] = -1;
+        edited->from[edited->added = n++] = -1;
     def->n_cloths = n;
     for (int k = cloths; k < all; k++)
         if (k != edit->removed)
-            heir->from[n++] = k;
+            edited->from[n++] = k;
     if (edit->obstacle)
-        heir->from[heir->added = n++] = -1;
+        edited->from[edited->added = n++] = -1;
     def->n_obstacles = n - def->n_cloths;
 }
 
-int heir_define(const struct world *old, const struct edit *edit,
-                struct arena *arena, drape_def *def, struct heir *heir)
+int edit_define(const struct world *old, const struct scene_edit *edit,
+                struct arena *arena, drape_def *def, struct edited *edited)
 {
     int cloths = old->def.n_cloths, most = cloths + old->def.n_obstacles + 1;
     drape_cloth *cloth = arena_take(arena, ARENA_OTHER, most, sizeof *cloth);
     drape_obstacle *obstacle =
         arena_take(arena, ARENA_OTHER, most, sizeof *obstacle);
-    heir->from = arena_take(arena, ARENA_OTHER, most, sizeof *heir->from);
-    if (!cloth || !obstacle || !heir->from)
+    edited->from = arena_take(arena, ARENA_OTHER, most, sizeof *edited->from);
+    if (!cloth || !obstacle || !edited->from)
         return DRAPE_ENOMEM;
-    heir->old = old;
+    edited->old = old;
     *def = old->def;
     memcpy(def->gravity, old->defined_gravity, sizeof def->gravity);
     def->wind = old->defined_wind;
     def->cloths = cloth;
     def->obstacles = obstacle;
-    list_bodies(old, edit, def, heir);
+    list_bodies(old, edit, def, edited);
     int status = DRAPE_OK, bodies = def->n_cloths + def->n_obstacles;
     for (int k = 0; k < bodies && status == DRAPE_OK; k++) {
-        int from = heir->from[k], o = k - def->n_cloths;
+        int from = edited->from[k], o = k - def->n_cloths;
         if (from >= 0)
             status = o < 0 ? define_cloth(old, from, arena, &cloth[k])
                            : define_obstacle(old, from - cloths, arena,
@@ -120,11 +120,11 @@ int heir_define(const struct world *old, const struct edit *edit,
     return status;
 }
 
-void heir_sizes(struct world *w, const struct heir *heir)
+void edit_keep_sizes(struct world *w, const struct edited *edited)
 {
     for (int k = 0; k < w->def.n_cloths; k++)
-        if (heir->from[k] >= 0)
-            w->sheet[k].size = heir->old->sheet[heir->from[k]].size;
+        if (edited->from[k] >= 0)
+            w->sheet[k].size = edited->old->sheet[edited->from[k]].size;
 }
 
 /* §9.2: the state. */
@@ -137,7 +137,7 @@ static void resend(struct world *w, vec *to, const vec *from, int64_t n)
 }
 
 /* Hands over what a body has of the streams. */
-static void hand_over(struct world *w, int k, const struct world *old, int from)
+static void copy_body(struct world *w, int k, const struct world *old, int from)
 {
     int64_t to = state_first_vertex(w, k), at = state_first_vertex(old, from);
     size_t bytes = (size_t)(state_first_vertex(w, k + 1) - to) * sizeof(vec);
@@ -181,7 +181,7 @@ static int begin_obstacle(struct world *w, int k)
     for (int i = 0; i < h->def.n_motions; i++)
         h->pose[i] = kinematics_pose(&h->def.motions[i], w->time);
     if (p->frames)
-        lead_frame(p, w->time);
+        prescribe_frame(p, w->time);
     p->place.x = h->x0 + p->first;
     int status = ref_kinematics(&p->place);
     resend(w, w->x0 + p->first, p->place.x, p->place.n);
@@ -192,55 +192,57 @@ static int begin_obstacle(struct world *w, int k)
 
 /* The numbers of the state that are not of a body. DRAPE_OK, or what
  * control_wind returned. */
-static int hand_over_numbers(struct world *w, const struct world *old)
+static int copy_numbers(struct world *w, const struct world *old)
 {
     w->step = old->step;
     w->time = old->time;
     w->past = w->past_x ? old->past : 0;
-    w->near = w->plan.collides ? old->near : NEAR_NONE;
+    w->nearness = w->plan.collides ? old->nearness : NEAR_NONE;
     control_gravity(w, old->def.gravity);
     return control_wind(w, &old->def.wind);
 }
 
 /* §9.4: refuses pairs of the new body, and counts all. The host looks where the
  * pairs may have to be named, or a triangle has no area. */
-static int admit(struct world *w, const struct heir *heir, drape_error *error)
+static int admit(struct world *w, const struct edited *edited,
+                 drape_error *error)
 {
-    int64_t before = heir->old->intersecting, found = before;
-    if (!w->plan.collides || (heir->added < 0 && before == 0))
+    int64_t before = edited->old->intersecting, found = before;
+    if (!w->plan.collides || (edited->added < 0 && before == 0))
         return DRAPE_OK;
     int status = ending_count(w, w->x0, &found);
     w->intersecting = found;
-    if (status != DRAPE_OK || heir->added < 0 ||
+    if (status != DRAPE_OK || edited->added < 0 ||
         (found == before && w->ending.n_degenerate == 0))
         return status;
     vec *x = w->home->x1;
     w->run->fetch(w->on, x, w->x0, (size_t)w->nv * sizeof *x);
     status = w->run->status(w->on);
     return status == DRAPE_OK
-               ? start_audit_at(w->home, x, heir->added, &found, error)
+               ? start_audit_at(w->home, x, edited->added, &found, error)
                : status;
 }
 
-int heir_inherit(struct world *w, const struct heir *heir, drape_error *error)
+int edit_inherit(struct world *w, const struct edited *edited,
+                 drape_error *error)
 {
-    const struct world *old = heir->old;
+    const struct world *old = edited->old;
     int bodies = w->def.n_cloths + w->def.n_obstacles;
     old->run->wait(old->on);
     w->run->begin(w->on);
-    int status = hand_over_numbers(w, old);
+    int status = copy_numbers(w, old);
     for (int k = 0; k < bodies && status == DRAPE_OK; k++)
-        if (heir->from[k] >= 0)
-            hand_over(w, k, old, heir->from[k]);
+        if (edited->from[k] >= 0)
+            copy_body(w, k, old, edited->from[k]);
         else if (k < w->def.n_cloths)
             begin_cloth(w, k);
         else
             status = begin_obstacle(w, k - w->def.n_cloths);
     if (status == DRAPE_OK)
-        status = control_inherit(w, heir);
+        status = control_inherit(w, edited);
     if (status == DRAPE_OK)
-        status = kept_inherit(w, heir);
+        status = kept_inherit(w, edited);
     if (status == DRAPE_OK)
-        status = admit(w, heir, error);
+        status = admit(w, edited, error);
     return status == DRAPE_OK ? w->run->status(w->on) : status;
 }

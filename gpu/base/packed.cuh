@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A spring's block in 64 bits on the device. spec/cloth/blocks.md §5 */
-#ifndef GPU_THIN_CUH
-#define GPU_THIN_CUH
+#ifndef GPU_PACKED_CUH
+#define GPU_PACKED_CUH
 
 #include "gpu/base/real.cuh"
 
 extern "C" {
-#include "ref/base/thin.h"
+#include "ref/base/packed.h"
 }
 
 static __device__ inline uint32_t steps_of(real t)
 {
     if (!(t >= R(-0.5) && t <= R(0.5)))
-        return THIN_HALF;
+        return PACKED_HALF;
     return min_of((uint32_t)(int32_t)(t * 32768 + R(16384.5)),
-                  (uint32_t)THIN_MOST);
+                  (uint32_t)PACKED_MOST);
 }
 
 static __device__ inline float float_of(uint32_t bits)
@@ -46,8 +46,8 @@ static __device__ inline uint32_t above_of(real a)
     return a > 0 ? up : a < 0 ? down : 0;
 }
 
-/* Returns the thin block of c u uᵀ + b I, u of length 1. */
-static __device__ inline struct thin thin_of(real c, real b, vec u)
+/* Returns the packed block of c u uᵀ + b I, u of length 1. */
+static __device__ inline struct packed packed_of(real c, real b, vec u)
 {
     real x = magnitude(u.x), y = magnitude(u.y), z = magnitude(u.z);
     uint32_t k = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
@@ -56,8 +56,8 @@ static __device__ inline struct thin thin_of(real c, real b, vec u)
                      : make(u.z, u.x, u.y); /* the largest first */
     uint32_t p = steps_of(R(0.5) * v.y / v.x);
     uint32_t q = steps_of(R(0.5) * v.z / v.x);
-    return thin{k | p << 2 | q << 17,
-                upper_of(4 * c * (v.x * v.x)) | above_of(b) << 16};
+    return packed{k | p << 2 | q << 17,
+                  upper_of(4 * c * (v.x * v.x)) | above_of(b) << 16};
 }
 
 /* Returns the number that is m steps of 2^-15 above -1/2. m is put into the
@@ -67,39 +67,40 @@ static __device__ inline real stepped(uint32_t m)
     return (real)(float_of(0x3f800000u | m << 8) - 1.5f);
 }
 
-static __device__ inline struct thin_parts opened(struct thin t)
+static __device__ inline struct packed_parts opened(struct packed t)
 {
-    real p = stepped(t.way >> 2 & THIN_MOST), q = stepped(t.way >> 17);
+    real p = stepped(t.way >> 2 & PACKED_MOST), q = stepped(t.way >> 17);
     uint32_t k = t.way & 3;
     vec e = k == 0   ? make(R(0.5), p, q)
             : k == 1 ? make(q, R(0.5), p)
                      : make(p, q, R(0.5));
-    return thin_parts{(real)float_of(t.both << 16),
-                      (real)float_of(t.both & 0xffff0000u), e};
+    return packed_parts{(real)float_of(t.both << 16),
+                        (real)float_of(t.both & 0xffff0000u), e};
 }
 
-static __device__ inline vec apply(struct thin t, vec d)
+static __device__ inline vec apply(struct packed t, vec d)
 {
-    struct thin_parts a = opened(t);
+    struct packed_parts a = opened(t);
     return axpy(scale(a.all, d), a.size * dot(a.e, d), a.e);
 }
 
-/* Read a thin block; fetch_once is for blocks that are not read again soon. */
-static __device__ inline struct thin fetch(const struct thin *t)
+/* Read a packed block; fetch_once is for blocks that are not read again soon.
+ */
+static __device__ inline struct packed fetch(const struct packed *t)
 {
 #ifdef __CUDA_ARCH__
     uint2 a = *(const uint2 *)t;
-    return thin{a.x, a.y};
+    return packed{a.x, a.y};
 #else
     return *t;
 #endif
 }
 
-static __device__ inline struct thin fetch_once(const struct thin *t)
+static __device__ inline struct packed fetch_once(const struct packed *t)
 {
 #ifdef __CUDA_ARCH__
     uint2 a = __ldcs((const uint2 *)t);
-    return thin{a.x, a.y};
+    return packed{a.x, a.y};
 #else
     return *t;
 #endif

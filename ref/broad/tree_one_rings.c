@@ -2,13 +2,14 @@
 /* Lists the triangles around each vertex. spec/broad/tree.md §4 */
 #include "ref/broad/tree_plan.h"
 
-int tree_fan(const struct tree_scene *s, struct arena *arena, struct fan *fan)
+int tree_one_rings(const struct tree_scene *s, struct arena *arena,
+                   struct one_rings *one_rings)
 {
     int32_t *start =
         arena_take(arena, ARENA_TREE, (int64_t)s->vertices + 1, sizeof *start);
-    int32_t(*rim)[2] =
-        arena_take(arena, ARENA_TREE, 3 * (int64_t)s->tris, sizeof *rim);
-    if (!start || !rim)
+    int32_t(*opposite)[2] =
+        arena_take(arena, ARENA_TREE, 3 * (int64_t)s->tris, sizeof *opposite);
+    if (!start || !opposite)
         return DRAPE_ENOMEM;
     for (int32_t v = 0; v <= s->vertices; v++)
         start[v] = 0;
@@ -22,10 +23,11 @@ int tree_fan(const struct tree_scene *s, struct arena *arena, struct fan *fan)
     for (int32_t t = s->tris - 1; t >= 0; t--)
         for (int k = 2; k >= 0; k--) {
             int32_t at = --start[s->tri[t][k]];
-            rim[at][0] = s->tri[t][(k + 1) % 3];
-            rim[at][1] = s->tri[t][(k + 2) % 3];
+            opposite[at][0] = s->tri[t][(k + 1) % 3];
+            opposite[at][1] = s->tri[t][(k + 2) % 3];
         }
-    *fan = (struct fan){s->vertices + (int64_t)1, 3 * (int64_t)s->tris, start,
-                        (const int32_t(*)[2])rim};
+    *one_rings =
+        (struct one_rings){s->vertices + (int64_t)1, 3 * (int64_t)s->tris,
+                           start, (const int32_t(*)[2])opposite};
     return DRAPE_OK;
 }

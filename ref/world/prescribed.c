@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Loops of the reference over led vertices and over displacements.
+/* Loops of the reference over prescribed vertices and over displacements.
  * spec/world/step.md §1, §6, §7 */
-#include "ref/world/led.h"
+#include "ref/world/prescribed.h"
 
-void led_pin(int64_t n, const int32_t *pinned, const vec *x, vec *to)
+void prescribed_pin(int64_t n, const int32_t *pinned, const vec *x, vec *to)
 {
     for (int64_t i = 0; i < n; i++)
         to[pinned[i]] = x[i];
 }
 
-bool led_differs(int64_t n, const int32_t *at, const vec *x0, const vec *x1)
+bool prescribed_differs(int64_t n, const int32_t *at, const vec *x0,
+                        const vec *x1)
 {
     for (int64_t i = 0; i < n; i++)
         if (memcmp(&x0[at ? at[i] : i], &x1[i], sizeof *x0) != 0)
@@ -17,14 +18,14 @@ bool led_differs(int64_t n, const int32_t *at, const vec *x0, const vec *x1)
     return false;
 }
 
-bool led_moves(const struct world *w)
+bool prescribed_moves(const struct world *w)
 {
-    if (led_differs(w->nv - w->nc, NULL, w->x0 + w->nc, w->x1 + w->nc))
+    if (prescribed_differs(w->nv - w->nc, NULL, w->x0 + w->nc, w->x1 + w->nc))
         return true;
     for (int k = 0; k < w->def.n_cloths; k++) {
         struct pins pins = sheet_pins(&w->sheet[k]);
         const vec *x0 = w->x0 + w->sheet[k].first;
-        if (led_differs(pins.n, pins.at, x0, pins.x))
+        if (prescribed_differs(pins.n, pins.at, x0, pins.x))
             return true;
     }
     return false;
@@ -36,7 +37,7 @@ static real between(real a, real b, double part)
     return (real)(from + part * ((double)b - from));
 }
 
-void led_blend(const struct blend *s)
+void prescribed_blend(const struct blend *s)
 {
     EACH_ITEM
     for (int64_t i = 0; i < s->n; i++) {
@@ -49,7 +50,7 @@ void led_blend(const struct blend *s)
     }
 }
 
-void led_keep(int64_t n, const uint8_t *fixed, const vec *old, vec *a)
+void prescribed_keep(int64_t n, const uint8_t *fixed, const vec *old, vec *a)
 {
     EACH_ITEM
     for (int64_t i = 0; i < n; i++)
@@ -57,7 +58,7 @@ void led_keep(int64_t n, const uint8_t *fixed, const vec *old, vec *a)
             a[i] = old[i];
 }
 
-bool led_sane(int64_t n, const vec *a)
+bool prescribed_sane(int64_t n, const vec *a)
 {
     int bad = 0;
 #pragma omp parallel for schedule(static) reduction(| : bad)
@@ -66,7 +67,8 @@ bool led_sane(int64_t n, const vec *a)
     return !bad;
 }
 
-void led_velocities(int64_t n, const vec *x0, const vec *x1, real dt, vec *v)
+void prescribed_velocities(int64_t n, const vec *x0, const vec *x1, real dt,
+                           vec *v)
 {
     EACH_ITEM
     for (int64_t i = 0; i < n; i++) {
@@ -75,7 +77,7 @@ void led_velocities(int64_t n, const vec *x0, const vec *x1, real dt, vec *v)
     }
 }
 
-real led_furthest(int64_t n, const vec *x0, const vec *x1)
+real prescribed_furthest(int64_t n, const vec *x0, const vec *x1)
 {
     real most = 0;
 #pragma omp parallel for schedule(static) reduction(max : most)

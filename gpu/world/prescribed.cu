@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Loops over led vertices and over displacements on the device.
+/* Loops over prescribed vertices and over displacements on the device.
  * spec/world/step.md §1, §6, §7, §11 */
 #include "gpu/base/largest.cuh"
 #include "gpu/base/real.cuh"
 
 extern "C" {
-#include "gpu/world/led.h"
+#include "gpu/world/prescribed.h"
 #include "gpu/world/state.h"
-#include "ref/world/led.h"
+#include "ref/world/prescribed.h"
 }
 
 /* Thread k owns pin k and writes the place of its particle. */
@@ -17,8 +17,8 @@ KERNEL pins_kernel(int64_t n, const int32_t *pinned, const vec *x, vec *to)
     to[pinned[k]] = x[k];
 }
 
-void gpu_led_pin(struct gpu *g, int64_t n, const int32_t *pinned, const vec *x,
-                 vec *to)
+void gpu_prescribed_pin(struct gpu *g, int64_t n, const int32_t *pinned,
+                        const vec *x, vec *to)
 {
     LAUNCH(g, n, pins_kernel, n, pinned, x, to);
 }
@@ -41,7 +41,7 @@ KERNEL moves_kernel(int64_t n, const int32_t *at, const vec *x0, const vec *x1,
         *moves = 1; /* all threads that write, write the same */
 }
 
-bool gpu_led_moves(const struct world *w)
+bool gpu_prescribed_moves(const struct world *w)
 {
     struct gpu *g = w->device->gpu;
     int64_t *moves = gpu_words(g);
@@ -55,8 +55,8 @@ bool gpu_led_moves(const struct world *w)
     return gpu_read_back(g, 1)[0] != 0;
 }
 
-bool gpu_led_differs(struct gpu *g, int64_t n, const int32_t *at, const vec *x0,
-                     const vec *x1)
+bool gpu_prescribed_differs(struct gpu *g, int64_t n, const int32_t *at,
+                            const vec *x0, const vec *x1)
 {
     int64_t *moves = gpu_words(g);
     LAUNCH(g, n, moves_kernel, n, at, x0, x1, moves);
@@ -81,7 +81,7 @@ KERNEL blend_kernel(const struct blend &s)
     s.x[i] = b;
 }
 
-void gpu_led_blend(struct gpu *g, const struct blend *s)
+void gpu_prescribed_blend(struct gpu *g, const struct blend *s)
 {
     LAUNCH(g, s->n, blend_kernel, *s);
 }
@@ -94,8 +94,8 @@ KERNEL keep_kernel(int64_t n, const uint8_t *fixed, const vec *old, vec *a)
         a[i] = old[i];
 }
 
-void gpu_led_keep(struct gpu *g, int64_t n, const uint8_t *fixed,
-                  const vec *old, vec *a)
+void gpu_prescribed_keep(struct gpu *g, int64_t n, const uint8_t *fixed,
+                         const vec *old, vec *a)
 {
     LAUNCH(g, n, keep_kernel, n, fixed, old, a);
 }
@@ -108,7 +108,7 @@ KERNEL sane_kernel(int64_t n, const vec *a, int64_t *bad)
         *bad = 1; /* all threads that write, write the same */
 }
 
-bool gpu_led_sane(struct gpu *g, int64_t n, const vec *a)
+bool gpu_prescribed_sane(struct gpu *g, int64_t n, const vec *a)
 {
     int64_t *bad = gpu_words(g);
     LAUNCH(g, n, sane_kernel, n, a, bad);
@@ -124,8 +124,8 @@ KERNEL velocities_kernel(int64_t n, const vec *x0, const vec *x1, real dt,
     v[k] = make(d.x / dt, d.y / dt, d.z / dt);
 }
 
-void gpu_led_velocities(struct gpu *g, int64_t n, const vec *x0, const vec *x1,
-                        real dt, vec *v)
+void gpu_prescribed_velocities(struct gpu *g, int64_t n, const vec *x0,
+                               const vec *x1, real dt, vec *v)
 {
     LAUNCH(g, n, velocities_kernel, n, x0, x1, dt, v);
 }
@@ -139,7 +139,8 @@ KERNEL way_kernel(int64_t n, const vec *x0, const vec *x1, int64_t *most)
     block_largest(most, dot(d, d));
 }
 
-real gpu_led_furthest(struct gpu *g, int64_t n, const vec *x0, const vec *x1)
+real gpu_prescribed_furthest(struct gpu *g, int64_t n, const vec *x0,
+                             const vec *x1)
 {
     int64_t *most = gpu_words(g);
     LAUNCH_BLOCKS(g, largest_blocks(n), GPU_BLOCK, way_kernel, n, x0, x1, most);
@@ -153,7 +154,8 @@ KERNEL group_kernel(int64_t nt, int64_t cloths, int32_t *group)
     group[k] = k < cloths;
 }
 
-void gpu_led_group(struct gpu *g, int64_t nt, int64_t cloths, int32_t *group)
+void gpu_prescribed_group(struct gpu *g, int64_t nt, int64_t cloths,
+                          int32_t *group)
 {
     LAUNCH(g, nt, group_kernel, nt, cloths, group);
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Makes a pair's polynomials with big-integer coefficients on the device.
  * spec/narrow/narrow.md §2, §6.1 */
-#ifndef GPU_WHOLE_CUH
-#define GPU_WHOLE_CUH
+#ifndef GPU_SYSTEM_CUH
+#define GPU_SYSTEM_CUH
 
 #include "gpu/narrow/filter.cuh"
 #include "gpu/narrow/roots.cuh"

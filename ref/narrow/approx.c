@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Truncated big integers: only the leading words are kept, with an error bound.
  * spec/narrow/narrow.md §6.6 */
-#include "ref/narrow/near.h"
+#include "ref/narrow/approx.h"
 
-uint32_t near_rest(struct big a)
+uint32_t approx_rest(struct big a)
 {
     uint64_t r = 0;
     for (int i = a.n; i-- > 0;) /* 2^32 ≡ 5; r stays below 2^36 */
         r = ((r >> 32) * 5 + (uint32_t)r) * 5 + a.d[i];
-    r %= NEAR_PRIME;
-    return (uint32_t)(a.sign < 0 && r ? NEAR_PRIME - r : r);
+    r %= APPROX_PRIME;
+    return (uint32_t)(a.sign < 0 && r ? APPROX_PRIME - r : r);
 }
 
 /* Drops the lowest k words, which loses less than one unit of the lowest word
  * kept. */
-static struct near drop(struct near a, int k)
+static struct approx drop(struct approx a, int k)
 {
     if (k <= 0)
         return a;
@@ -30,20 +30,21 @@ static struct near drop(struct near a, int k)
     return a;
 }
 
-struct near near_of(const struct big_arena *m, struct big a)
+struct approx approx_of(const struct big_arena *m, struct big a)
 {
-    struct near r = {.m = a, .rest = m->keep < NEAR_REST ? 0 : near_rest(a)};
+    struct approx r = {.m = a,
+                       .rest = m->keep < APPROX_REST ? 0 : approx_rest(a)};
     return drop(r, a.n - m->keep);
 }
 
-struct near near_few(struct near a)
+struct approx approx_few(struct approx a)
 {
-    return drop(a, a.m.n - NEAR_FEW);
+    return drop(a, a.m.n - APPROX_FEW);
 }
 
 /* Rewrites a in units of 2^(32 low). Words are dropped, or zero words are added
  * below an exact number. */
-static struct near align(struct big_arena *m, struct near a, int low)
+static struct approx align(struct big_arena *m, struct approx a, int low)
 {
     if (a.m.n == 0 && a.err == 0)
         a.low = low;
@@ -59,7 +60,7 @@ static int larger(int a, int b)
     return a > b ? a : b;
 }
 
-struct near near_add(struct big_arena *m, struct near a, struct near b)
+struct approx approx_add(struct big_arena *m, struct approx a, struct approx b)
 {
     if (a.m.n == 0 && a.err == 0)
         return b;
@@ -73,31 +74,31 @@ struct near near_add(struct big_arena *m, struct near a, struct near b)
     a = align(m, a, low);
     b = align(m, b, low);
     uint64_t rest = (uint64_t)a.rest + b.rest;
-    struct near r = {.m = big_add(m, a.m, b.m),
-                     .low = low,
-                     .err = a.err + b.err,
-                     .rest = (uint32_t)(rest % NEAR_PRIME)};
+    struct approx r = {.m = big_add(m, a.m, b.m),
+                       .low = low,
+                       .err = a.err + b.err,
+                       .rest = (uint32_t)(rest % APPROX_PRIME)};
     return r;
 }
 
-struct near near_negate(struct near a)
+struct approx approx_negate(struct approx a)
 {
     a.m = big_negate(a.m);
-    a.rest = a.rest ? NEAR_PRIME - a.rest : 0;
+    a.rest = a.rest ? APPROX_PRIME - a.rest : 0;
     return a;
 }
 
-struct near near_sub(struct big_arena *m, struct near a, struct near b)
+struct approx approx_sub(struct big_arena *m, struct approx a, struct approx b)
 {
-    return near_add(m, a, near_negate(b));
+    return approx_add(m, a, approx_negate(b));
 }
 
-struct near near_mul(struct big_arena *m, struct near a, struct near b)
+struct approx approx_mul(struct big_arena *m, struct approx a, struct approx b)
 {
-    uint32_t rest = (uint32_t)((uint64_t)a.rest * b.rest % NEAR_PRIME);
+    uint32_t rest = (uint32_t)((uint64_t)a.rest * b.rest % APPROX_PRIME);
     int k = a.m.n + b.m.n - 1 - m->keep;
     if (k <= 0 && a.err == 0 && b.err == 0) {
-        struct near exact = {
+        struct approx exact = {
             .m = big_mul(m, a.m, b.m), .low = a.low + b.low, .rest = rest};
         return exact;
     }
@@ -109,31 +110,31 @@ struct near near_mul(struct big_arena *m, struct near a, struct near b)
     /* products more than two words below the kept words add less than one
      * unit */
     int from = larger(k - 3, 0);
-    struct near r = {.m = big_mul_from(m, a.m, b.m, from),
-                     .low = a.low + b.low + from,
-                     .rest = rest};
+    struct approx r = {.m = big_mul_from(m, a.m, b.m, from),
+                       .low = a.low + b.low + from,
+                       .rest = rest};
     r = drop(r, k - from);
     r.err = a.err + b.err + 3;
     return r;
 }
 
-struct near near_times(struct big_arena *m, struct near a, uint32_t k)
+struct approx approx_times(struct big_arena *m, struct approx a, uint32_t k)
 {
-    struct near b = {{&k, k != 0, k != 0}, 0, 0, k};
-    return near_mul(m, b, a);
+    struct approx b = {{&k, k != 0, k != 0}, 0, 0, k};
+    return approx_mul(m, b, a);
 }
 
-int near_sign(struct near a)
+int approx_sign(struct approx a)
 {
     if (a.err == 0 || a.m.n > 1 || (a.m.n == 1 && a.m.d[0] > a.err))
         return a.m.sign;
-    return NEAR_UNKNOWN;
+    return APPROX_UNKNOWN;
 }
 
-int near_tell(struct big_arena *m, struct near a)
+int approx_decide(struct big_arena *m, struct approx a)
 {
-    int sign = near_sign(a);
-    if (sign == NEAR_UNKNOWN && a.rest == 0 && m->keep >= NEAR_REST)
+    int sign = approx_sign(a);
+    if (sign == APPROX_UNKNOWN && a.rest == 0 && m->keep >= APPROX_REST)
         m->keep = INT32_MAX / 4;
     return sign;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Makes a pair's polynomials with big-integer coefficients.
  * spec/narrow/narrow.md §2, §6.1 */
-#include "ref/narrow/whole.h"
+#include "ref/narrow/system.h"
 
 #include <stddef.h>
 

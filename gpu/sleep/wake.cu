@@ -3,24 +3,24 @@
 #include "gpu/base/largest.cuh"
 
 extern "C" {
-#include "gpu/sleep/rouse.h"
-#include "ref/sleep/rouse.h"
+#include "gpu/sleep/wake.h"
+#include "ref/sleep/wake.h"
 }
 
 /* Thread k owns pair k. All threads that write a body's flag write the same. */
-KERNEL near_kernel(const struct rouse &s)
+KERNEL wake_find_kernel(const struct wake &s)
 {
     ITEM(k, s.n);
     uint16_t a = s.body[s.pair[k][0]], b = s.body[s.pair[k][3]];
-    if (s.lively[a] && !s.lively[b])
-        s.near[b] = 1;
-    if (s.lively[b] && !s.lively[a])
-        s.near[a] = 1;
+    if (s.active[a] && !s.active[b])
+        s.disturbed[b] = 1;
+    if (s.active[b] && !s.active[a])
+        s.disturbed[a] = 1;
 }
 
-void gpu_rouse_near(struct gpu *g, const struct rouse *s)
+void gpu_wake_find(struct gpu *g, const struct wake *s)
 {
-    LAUNCH(g, s->n, near_kernel, *s);
+    LAUNCH(g, s->n, wake_find_kernel, *s);
 }
 
 /* Thread i owns vertex i. */
@@ -31,8 +31,8 @@ KERNEL mask_kernel(int64_t n, const uint16_t *body, const uint8_t *awake,
     mask[i] = awake[body[i]];
 }
 
-void gpu_rouse_mask(struct gpu *g, int64_t n, const uint16_t *body,
-                    const uint8_t *awake, uint8_t *mask)
+void gpu_wake_mask(struct gpu *g, int64_t n, const uint16_t *body,
+                   const uint8_t *awake, uint8_t *mask)
 {
     LAUNCH(g, n, mask_kernel, n, body, awake, mask);
 }
@@ -59,8 +59,9 @@ KERNEL most_kernel(int64_t bodies, const int64_t *word, real *most)
     memcpy(&most[k], &bits, sizeof *most);
 }
 
-void gpu_rouse_ways(struct gpu *g, int64_t n, const uint16_t *body,
-                    const vec *x0, const vec *x1, int bodies, real *most)
+void gpu_wake_displacements(struct gpu *g, int64_t n, const uint16_t *body,
+                            const vec *x0, const vec *x1, int bodies,
+                            real *most)
 {
     size_t size = sizeof(int64_t) + sizeof *most;
     int64_t *word = (int64_t *)gpu_scratch(g, SLOT_STAGE, bodies, size);
