@@ -550,7 +550,7 @@ def planted(texts):
     for old, new in (("dv   ", "dw   "), ("→ toi tier [n]", "→ toi tier [nv]"),
                      ("→ toi tier [n]", "→ toi pair [n]"), ("u rest=b", "u rest=r"),
                      ("conserve     moments", "near         moments"),
-                     ("( front )", "( fronts )"), ("lead  move", "leads  move")):
+                     ("( front )", "( fronts )"), ("prescribe  move", "prescribes  move")):
         yield check_flow, edit("spec/README.md", old, new)
     for name in ("spin", "sum"):
         yield check_flow, edit("spec/README.md", re.search(

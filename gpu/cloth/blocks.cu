@@ -20,7 +20,7 @@ struct parts {
 
 /* §8: the direction of a spring whose ends are d apart, l = |d|, half way
  * through the predicted motion, in which they move apart by 2·way. */
-static __device__ vec direction(vec d, real l, vec way)
+static __device__ vec spring_direction(vec d, real l, vec way)
 {
     real size = length(way), most = R(BLOCKS_ROTATION) * l;
     if (size > most)
@@ -42,7 +42,7 @@ static __device__ struct parts spring_parts(const struct blocks *s, int o,
     real tau = s->tau, square = tau * tau;
     real a = tau * law->damp + square * spring_slope(law, s->piece, l);
     real b = square * max_of(spring_tension(law, s->piece, l) / l, R(0));
-    return parts{b, a - b, direction(d, l, scale(R(0.5) * tau, dq))};
+    return parts{b, a - b, spring_direction(d, l, scale(R(0.5) * tau, dq))};
 }
 
 /* §7: the spring's share of its block, and that of the triples that have their

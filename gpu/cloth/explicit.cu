@@ -142,13 +142,13 @@ static void force(struct walk_on *w, struct state at, int n,
     springs_to<0>(w->g, &f, to);
 }
 
-static void euler(struct walk_on *w)
+static void step_euler(struct walk_on *w)
 {
     struct use full = {w->now, NULL, w->next, w->h, w->h, 1};
     force(w, w->now, 1, &full);
 }
 
-static void midpoint(struct walk_on *w)
+static void step_midpoint(struct walk_on *w)
 {
     struct state mid = w->more;
     real h = w->h;
@@ -160,7 +160,7 @@ static void midpoint(struct walk_on *w)
 
 /* The second force is evaluated at the velocity that the first force
  * predicts. */
-static void verlet(struct walk_on *w)
+static void step_verlet(struct walk_on *w)
 {
     struct state next = w->next, ahead = w->more;
     real h = w->h;
@@ -201,11 +201,11 @@ static int queue(struct walk_on w, int32_t substeps)
     int method = w.s->dynamics.method;
     for (int32_t k = 0; k < substeps; k++) {
         if (method == DRAPE_EULER)
-            euler(&w);
+            step_euler(&w);
         else if (method == DRAPE_MIDPOINT)
-            midpoint(&w);
+            step_midpoint(&w);
         else if (method == DRAPE_VERLET)
-            verlet(&w);
+            step_verlet(&w);
         else
             runge_kutta(&w);
         swap(&w);

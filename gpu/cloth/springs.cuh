@@ -43,7 +43,7 @@ struct alignas(16) tile_way {
     int pull, wide, over, place;
 };
 
-/* Shared memory of a block: the particles of the tile and its rim, row by row,
+/* Shared memory of a block: the particles of the tile and its halo, row by row,
  * and the pull of each spring on the particle that the spring starts at. MOVED:
  * 1: the particles are at x + span·u, §6. */
 template <int HIGH, int MOVED> struct tile {

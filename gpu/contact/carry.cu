@@ -12,7 +12,7 @@ extern "C" {
 #define LEAST R(30.0)
 
 /* The place in `kept` of what was kept of a pair, or -1. */
-static __device__ int64_t find(const struct carry *s, struct key key)
+static __device__ int64_t find_kept(const struct carry *s, struct key key)
 {
     int64_t from = 0, end = s->n_kept;
     while (from < end) {
@@ -39,7 +39,7 @@ static __device__ real order_of(const struct contact *c, struct key key)
 static __device__ void take_over(const struct carry *s, struct contact *c)
 {
     struct key key = pair_key(c->v, c->kind, 0);
-    int64_t at = find(s, key);
+    int64_t at = find_kept(s, key);
     if (at >= 0) {
         vec t = scale(order_of(c, key), s->kept[at].lambda_t);
         c->lambda = s->kept[at].lambda;
@@ -79,7 +79,8 @@ KERNEL carry_kernel(const struct carry &s, int64_t *bad)
 }
 
 /* §2: whether a contact of this slice struck a side of it. */
-static __device__ bool struck(const struct retain *s, const struct contact *c)
+static __device__ bool is_struck(const struct retain *s,
+                                 const struct contact *c)
 {
     int split = c->kind == CONTACT_VF ? 1 : 2;
     bool moves[SIDES] = {false, false};
@@ -104,7 +105,7 @@ KERNEL retain_kernel(const struct retain &s, int64_t *bad)
     }
     struct key key = pair_key(c->v, c->kind, 0);
     struct kept r = {key.hi, key.lo, 0, make(0, 0, 0)};
-    if (c->impulse > 0 && !struck(&s, c)) {
+    if (c->impulse > 0 && !is_struck(&s, c)) {
         r.lambda = c->impulse;
         r.lambda_t = scale(order_of(c, key), c->tangent);
     }

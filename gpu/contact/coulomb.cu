@@ -28,7 +28,7 @@ enum { GROUP_BLOCK = PARTS * GROUP };
 #define GROWTH R(10.0)
 
 /* A vector cut to the length `most`. */
-static __device__ vec cut(vec a, real most)
+static __device__ vec cut_length(vec a, real most)
 {
     real size = length(a);
     return size > most ? scale(most / size, a) : a;
@@ -60,7 +60,8 @@ static __device__ bool is_single(const struct coulomb *s,
 }
 
 /* §2.3: the impulses that the call before found become the multipliers. */
-static __device__ void renew(const struct coulomb *s, struct contact *c)
+static __device__ void renew_multipliers(const struct coulomb *s,
+                                         struct contact *c)
 {
     real rise = c->impulse - c->lambda;
     bool steady = c->lambda > 0 && c->rise > 0 && rise > STEADY * c->rise;
@@ -68,7 +69,7 @@ static __device__ void renew(const struct coulomb *s, struct contact *c)
         c->kappa = min_of(GROWTH * c->kappa, s->stiffest);
     c->rise = rise;
     c->lambda = c->load = c->impulse;
-    c->lambda_t = cut(c->tangent, c->friction * c->impulse);
+    c->lambda_t = cut_length(c->tangent, c->friction * c->impulse);
 }
 
 /* §1, §2, §3.1. Thread k owns contact k: reads u of its vertices, writes its
@@ -82,7 +83,7 @@ KERNEL coulomb_evaluate_kernel(const struct coulomb &s, int64_t *words)
     if (!in_range(c->v, s.nv) || (s.lists && words[INCIDENCE_BAD]))
         return;
     if (s.renews)
-        renew(&s, c);
+        renew_multipliers(&s, c);
     vec n = c->n, v = scale(s.dt / s.tau, pair_sum(c, s.u));
     real along = dot(n, v), lack = c->target * (s.dt / s.tau) - along;
     vec slip = axpy(v, -along, n), z = axpy(c->lambda_t, -c->kappa, slip);
@@ -102,8 +103,8 @@ KERNEL coulomb_evaluate_kernel(const struct coulomb &s, int64_t *words)
                   : is_single(&s, c)                          ? CONTACT_SINGLE
                                                               : CONTACT_MUTUAL;
     real load = c->impulse, next = push_of(&s, c, load, lack);
-    vec drag = cut(c->tangent, c->friction * load);
-    drag = cut(axpy(drag, -c->kappa, slip), c->friction * load);
+    vec drag = cut_length(c->tangent, c->friction * load);
+    drag = cut_length(axpy(drag, -c->kappa, slip), c->friction * load);
     s.next[k] = axpy(drag, next, n);
 }
 
@@ -134,8 +135,8 @@ static __device__ real part_of(const struct coulomb *s, const struct contact *c,
     return sum / side[j < split ? SIDE_A : SIDE_B] * magnitude(c->c[j]);
 }
 
-/* What an item adds, number by number, and whether its hold is of a wall.
- * Number o of the item at place k is in part[o·n4 + k]. */
+/* What an item adds, number by number, and whether its bound is of a SINGLE
+ * contact. Number o of the item at place k is in part[o·n4 + k]. */
 struct items {
     real *part;      /* [PARTS·n4] */
     uint8_t *single; /* [n4] */
@@ -186,8 +187,8 @@ struct coulomb_push {
     __device__ real value(int32_t at) const { return part[at]; }
 };
 
-/* One that is part of a hold: x without walls, y of walls. No sum is -0, so the
- * zeros that the reference does not add change nothing. */
+/* A number of a bound: x of MUTUAL contacts, y of SINGLE ones. No sum is -0, so
+ * the zeros that the reference does not add change nothing. */
 struct coulomb_bound {
     const real *part;
     const uint8_t *single;
@@ -201,8 +202,8 @@ struct coulomb_bound {
 /* The sum of list i, from `none` on. row: a warp's, [WARP] in shared memory,
  * where it sums a long list. */
 template <bool BY_WARP, class LIST, class T>
-static __device__ T total(const struct coulomb *s, const LIST &list, int32_t i,
-                          T none, T *row)
+static __device__ T sum_numbers(const struct coulomb *s, const LIST &list,
+                                int32_t i, T none, T *row)
 {
     int32_t from = s->start[i], end = s->start[i + 1];
     return BY_WARP ? sum_by_warp(list, from, end, none, row)
@@ -236,18 +237,19 @@ static __device__ void put_number(const struct coulomb *s, struct items from,
 {
     const real *part = from.part + o * s->n4;
     if (o < 2 * PUSHES) {
-        put_push(s, i, o,
-                 total<BY_WARP>(s, coulomb_push{part}, i, R(0.0), &row->x));
+        put_push(
+            s, i, o,
+            sum_numbers<BY_WARP>(s, coulomb_push{part}, i, R(0.0), &row->x));
         return;
     }
-    vec sum = total<BY_WARP>(s, coulomb_bound{part, from.single}, i,
-                             make(0, 0, 0), row);
+    vec sum = sum_numbers<BY_WARP>(s, coulomb_bound{part, from.single}, i,
+                                   make(0, 0, 0), row);
     ((real *)&s->single[i])[o - 2 * PUSHES] = sum.y;
     ((real *)&s->bound[i])[o - 2 * PUSHES] = sum.x + sum.y;
 }
 
 /* §3. A block owns GROUP vertices, warp o their number o: writes their force,
- * hold and wall, which are 0 without contacts, inner and outer. */
+ * bound and single, which are 0 without contacts, inner and outer. */
 KERNEL coulomb_gather_kernel(const struct coulomb &s, struct items from,
                              const int64_t *words)
 {

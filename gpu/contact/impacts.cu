@@ -99,7 +99,7 @@ KERNEL impacts_emit_kernel(const struct impacts &s, const int64_t *first)
 
 /* Returns, for each block, the place of its first candidate with at = want in
  * the list of all of them. */
-static int64_t *place(struct gpu *g, const struct impacts *s, int32_t want)
+static int64_t *place_hit(struct gpu *g, const struct impacts *s, int32_t want)
 {
     int64_t blocks = compact_blocks(s->n);
     int64_t *first =
@@ -123,7 +123,7 @@ static int retest_start(struct gpu *g, struct impacts *s, int64_t n)
     a.toi = (uint32_t *)(memory + 5 * n);
     a.kind = (uint8_t *)(memory + 6 * n);
     a.tier = a.kind + n;
-    int64_t *first = place(g, s, RETEST);
+    int64_t *first = place_hit(g, s, RETEST);
     LAUNCH_PARTS(g, compact_blocks(s->n), COMPACT_BLOCK, 1,
                  impacts_gather_kernel, *s, first, a);
     struct narrow m = {.n = n,
@@ -161,7 +161,7 @@ int gpu_impacts(struct gpu *g, struct impacts *s)
         return DRAPE_EFULL;
     if (!s->found || status != DRAPE_OK)
         return status;
-    int64_t *first = place(g, s, HIT);
+    int64_t *first = place_hit(g, s, HIT);
     LAUNCH_PARTS(g, compact_blocks(s->n), COMPACT_BLOCK, 1, impacts_emit_kernel,
                  *s, first);
     return gpu_status(g);

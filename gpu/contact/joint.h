@@ -16,7 +16,7 @@ struct rate;
 
 /* One cloth in the joint solve. */
 struct joint_part {
-    struct pcg pcg;          /* its own system; block and thin are set */
+    struct pcg pcg;          /* its own system; block and packed are set */
     const struct rate *rate; /* of its springs; NULL: read blocks */
     int64_t first;           /* its first particle */
 };

@@ -61,7 +61,7 @@ static __device__ inline void find_prescribed(const real *w, int split,
 }
 
 /* Whether the closest point comes nearer to the other side towards point y; o:
- * the foot's first vertex. */
+ * the closest point's first vertex. */
 static __device__ inline bool comes_nearer(const struct closest_point *f,
                                            struct wide o, struct wide y,
                                            double least)

@@ -26,8 +26,9 @@ enum { GROUPS_EACH = 4, MOST_TILES = 8 };
 enum { GROUPS_EACH = 1, MOST_TILES = 3 };
 #endif
 
-static __device__ struct closest measure(const struct proximity *s, int kind,
-                                         const int32_t v[4], struct wide x[4])
+static __device__ struct closest measure_pair(const struct proximity *s,
+                                              int kind, const int32_t v[4],
+                                              struct wide x[4])
 {
     for (int j = 0; j < 4; j++)
         x[j] = widen(s->x[v[j]]);
@@ -87,7 +88,7 @@ static __device__ real reach_of(const struct proximity *s, const int32_t v[4])
 }
 
 /* §6: whether candidate k must be measured: it is not surely far. Bad input is
- * told and is not measured. */
+ * known and is not measured. */
 static __device__ bool is_open(const struct proximity *s, int64_t k, int *bad)
 {
     int32_t v[4];
@@ -109,9 +110,10 @@ static __device__ bool is_open(const struct proximity *s, int64_t k, int *bad)
 
 /* §3.4: whether a pair stands for its closest points. Where these are on an
  * edge or at a vertex they are those of other pairs, too. */
-static __device__ bool stands(const struct proximity *s, int kind,
-                              const int32_t v[4], const struct wide x[4],
-                              const struct closest *r)
+static __device__ bool stands_for_points(const struct proximity *s, int kind,
+                                         const int32_t v[4],
+                                         const struct wide x[4],
+                                         const struct closest *r)
 {
     if (kind == CONTACT_EE)
         return r->c[0] != 0 && r->c[1] != 0 && r->c[2] != 0 && r->c[3] != 0;
@@ -125,9 +127,10 @@ static __device__ bool is_close(const struct proximity *s, int64_t k)
     struct wide x[4], n;
     int kind = s->kind[k];
     load_pair(s->pair, k, v);
-    struct closest r = measure(s, kind, v, x);
+    struct closest r = measure_pair(s, kind, v, x);
     return sqrt(r.length2) < (double)reach_of(s, v) &&
-           stands(s, kind, v, x, &r) && find_normal(s, kind, v, x, &r, &n);
+           stands_for_points(s, kind, v, x, &r) &&
+           find_normal(s, kind, v, x, &r, &n);
 }
 
 /* §4: the target velocity, which the overlap and the repulsion spring give. */
@@ -141,8 +144,8 @@ static __device__ real push_target(const struct proximity *s,
     return min_of(spring, (R(0.1) * overlap) / s->dt);
 }
 
-static __device__ void emit(const struct proximity *s, int64_t k,
-                            struct contact *to)
+static __device__ void emit_contact(const struct proximity *s, int64_t k,
+                                    struct contact *to)
 {
     struct wide x[4], n;
     struct contact c;
@@ -150,7 +153,7 @@ static __device__ void emit(const struct proximity *s, int64_t k,
     load_pair(s->pair, k, c.v);
     c.kind = kind;
     struct surface surface = surface_of(&s->surfaces, c.v);
-    struct closest r = measure(s, kind, c.v, x);
+    struct closest r = measure_pair(s, kind, c.v, x);
     nearest_weights(&r, kind, c.c);
     find_normal(s, kind, c.v, x, &r, &n);
     c.n = narrowed(n);
@@ -228,7 +231,7 @@ KERNEL emit_kernel(const struct proximity &s, struct groups g)
     int64_t first = group_first(&g), to = g.base[blockIdx.x];
     int found = (int)(g.base[blockIdx.x + 1] - to);
     for (int i = (int)threadIdx.x; i < found; i += COMPACT_BLOCK)
-        emit(&s, s.at[first + i], &s.contact[to + i]);
+        emit_contact(&s, s.at[first + i], &s.contact[to + i]);
 }
 
 /* Few candidates are spread over all multiprocessors. Of many, a group has so

@@ -19,7 +19,7 @@ static __device__ struct zone_sum add(const struct zone_sum &p,
 
 /* Sums n members pairwise into sum[0], as a tree whose shape depends on n
  * alone. All threads of the block must call it. */
-static __device__ void tree(struct zone_sum *sum, int64_t n)
+static __device__ void sum_members(struct zone_sum *sum, int64_t n)
 {
     __syncthreads();
     for (int64_t step = 1; step < n; step *= 2) {
@@ -39,8 +39,8 @@ static __device__ real mass_of(const struct zones *s, const struct zone *z,
     return 1 / s->w[i];
 }
 
-static __device__ struct zone_sum linear(const struct zones *s,
-                                         const struct zone *z, int32_t i)
+static __device__ struct zone_sum linear_part(const struct zones *s,
+                                              const struct zone *z, int32_t i)
 {
     real m = mass_of(s, z, i);
     struct zone_sum r = {m,
@@ -56,8 +56,8 @@ static __device__ vec arm_of(const struct zones *s, const struct zone *z,
     return sub(sub(s->x0[i], z->base), z->centre);
 }
 
-static __device__ struct zone_sum angular(const struct zones *s,
-                                          const struct zone *z, int32_t i)
+static __device__ struct zone_sum angular_part(const struct zones *s,
+                                               const struct zone *z, int32_t i)
 {
     real m = mass_of(s, z, i);
     vec r = arm_of(s, z, i), d = sub(s->u[i], z->velocity);
@@ -134,15 +134,15 @@ KERNEL zones_move_kernel(const struct zones &s, const struct key *member,
     z.prescribed = prescribed != 0;
     z.base = s.x0[own[0].lo];
     for (int64_t k = t; k < n; k += ZONE_BLOCK)
-        sum[k] = linear(&s, &z, (int32_t)own[k].lo);
-    tree(sum, n);
+        sum[k] = linear_part(&s, &z, (int32_t)own[k].lo);
+    sum_members(sum, n);
     real m = sum[0].m;
     z.centre = scale(1 / m, sum[0].a);
     z.velocity = scale(1 / m, sum[0].b);
     __syncthreads(); /* all have read sum[0] before it is written again */
     for (int64_t k = t; k < n; k += ZONE_BLOCK)
-        sum[k] = angular(&s, &z, (int32_t)own[k].lo);
-    tree(sum, n);
+        sum[k] = angular_part(&s, &z, (int32_t)own[k].lo);
+    sum_members(sum, n);
     z.spin = limit_spin(spin_of(sum[0].i, sum[0].a), s.dt);
     for (int64_t k = t; k < n; k += ZONE_BLOCK) {
         int32_t i = (int32_t)own[k].lo;

@@ -52,8 +52,8 @@ static __device__ void mark(const struct audit *s, int32_t t, bool flat,
 }
 
 /* Thread t owns triangle t: it writes degenerate[t], or appends t to the list
- * `turn` where the filter is not certain. A block counts its triangles of group
- * 0. */
+ * `orientation` where the filter is not certain. A block counts its triangles
+ * of group 0. */
 KERNEL mark_kernel(const struct audit &s, const struct lists &l, int64_t *word)
 {
     int64_t t = compact_item();
@@ -88,7 +88,8 @@ static __device__ int64_t worker_of(const struct lists *l, struct big_arena *m)
     return worker;
 }
 
-/* A worker owns items of the list `turn` and writes their degenerate[]. */
+/* A worker owns items of the list `orientation` and writes their degenerate[].
+ */
 KERNEL turn_kernel(const struct audit &s, const struct lists &l, int64_t *word)
 {
     struct big_arena m;

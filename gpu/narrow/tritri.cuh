@@ -7,8 +7,8 @@
 #include "gpu/narrow/facing.cuh"
 #include "gpu/narrow/predicates.cuh"
 
-/* Returns the turn of t in the first coordinate plane where it is not 0. That
- * plane has the coordinates u = *at + 1 and v = *at + 2, modulo 3. */
+/* Returns the orientation of t in the first coordinate plane where it is not 0.
+ * That plane has the coordinates u = *at + 1 and v = *at + 2, modulo 3. */
 static __device__ inline int orientation(struct signs *w, const point t[3],
                                          int *at)
 {

@@ -80,7 +80,7 @@ struct batch {
 
     /* Where workers meet, gpu/run/batch.cu. */
     pthread_mutex_t lock;
-    pthread_cond_t turn;
+    pthread_cond_t change;
     int arrived;
     int64_t generation;
     bool left; /* a world is not over */

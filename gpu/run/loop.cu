@@ -120,8 +120,8 @@ static cudaError_t capture_loop(struct gpu *g, cudaGraph_t graph,
     auto test = [&] {
         loop_kernel<<<1, 1, 0, g->stream>>>(w.handle, of->again);
     };
-    auto turn = [&] {
-        int done = of->turn.run(of->turn.with);
+    auto body = [&] {
+        int done = of->body.run(of->body.with);
         test();
         return done;
     };
@@ -132,7 +132,7 @@ static cudaError_t capture_loop(struct gpu *g, cudaGraph_t graph,
         return done;
     };
     if (error == cudaSuccess)
-        error = capture(g, w.body, NULL, turn, status);
+        error = capture(g, w.body, NULL, body, status);
     if (error == cudaSuccess)
         error = capture(g, graph, NULL, first, status);
     if (error == cudaSuccess && tied == cudaSuccess)

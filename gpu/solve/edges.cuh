@@ -51,7 +51,7 @@ static __device__ inline vec cdf_row(const struct product *s,
 }
 
 /* The diagonal is made of mass and extra, or of excess. B is the type in which
- * an edge's block is stored: sym, struct thin or struct rate. */
+ * an edge's block is stored: sym, struct packed or struct rate. */
 template <class B> struct edges {
     struct grid g;
     const real *mass;  /* NULL: the diagonal is made of excess */

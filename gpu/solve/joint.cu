@@ -13,7 +13,7 @@ extern "C" {
 #include "ref/solve/product.h"
 }
 
-/* Iterations that are queued before the first readback, and in each turn of a
+/* Iterations that are queued before the first readback, and in each chunk of a
  * loop. Both are even, as directions alternate between two streams. */
 enum { FIRST = 4, NEXT = 2 };
 
@@ -329,8 +329,8 @@ static void search(const struct joint_system *w, const struct solve *a,
     LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_curvature_kernel, *a, to);
 }
 
-static void iterate(const struct joint_system *w, const struct solve *a,
-                    int times)
+static void iterate_gradients(const struct joint_system *w,
+                              const struct solve *a, int times)
 {
     for (int k = 0; k < times; k++) {
         const vec *from = a->p[k % 2];
@@ -344,7 +344,8 @@ static void iterate(const struct joint_system *w, const struct solve *a,
 }
 
 /* A last step along M⁻¹ r, which the test of the tolerance has left in s. */
-static void improve(const struct joint_system *w, const struct solve *a)
+static void improve_solution(const struct joint_system *w,
+                             const struct solve *a)
 {
     each_cloth(w, [&](int k) {
         struct pcg p = part_of(w, &w->part[k]);
@@ -358,7 +359,7 @@ static void improve(const struct joint_system *w, const struct solve *a)
 }
 
 /* q = A dv of each cloth. */
-static void multiply(const struct joint_system *w, const struct solve *a)
+static void multiply_matrix(const struct joint_system *w, const struct solve *a)
 {
     struct gpu *g = w->gpu;
     each_cloth(w, [&](int k) {
@@ -423,16 +424,16 @@ static int run(const struct joint_system *w, const struct solve *a)
     struct gpu *g = w->gpu;
     auto first = [&] {
         LAUNCH(g, a->nc, joint_open_kernel, *a);
-        iterate(w, a, FIRST);
+        iterate_gradients(w, a, FIRST);
         return (int)DRAPE_OK;
     };
     auto next = [&] {
-        iterate(w, a, NEXT);
+        iterate_gradients(w, a, NEXT);
         return (int)DRAPE_OK;
     };
     auto last = [&] {
-        improve(w, a);
-        multiply(w, a);
+        improve_solution(w, a);
+        multiply_matrix(w, a);
         return (int)DRAPE_OK;
     };
     if (gpu_loop(g, loop_key{a, sizeof *a}, {&a->c->go, first, next, last}))

@@ -63,7 +63,7 @@ bool gpu_prescribed_differs(struct gpu *g, int64_t n, const int32_t *at,
     return gpu_read_back(g, 1)[0] != 0;
 }
 
-static __device__ real between(real a, real b, double part)
+static __device__ real interpolate(real a, real b, double part)
 {
     double from = (double)a;
     return (real)(from + part * ((double)b - from));
@@ -76,8 +76,8 @@ KERNEL blend_kernel(const struct blend &s)
     int64_t k = s.at ? s.at[i] : i;
     vec a = s.from[k], b = s.to[k];
     if (s.part < 1)
-        b = make(between(a.x, b.x, s.part), between(a.y, b.y, s.part),
-                 between(a.z, b.z, s.part));
+        b = make(interpolate(a.x, b.x, s.part), interpolate(a.y, b.y, s.part),
+                 interpolate(a.z, b.z, s.part));
     s.x[i] = b;
 }
 

@@ -47,8 +47,9 @@ static void mesh_pieces(const drape_obstacle *o, struct piece p[MESH_PIECES])
 
 /* Writes a record of a definition with its pointers and its pieces. The words
  * behind the definition say which pieces there are. */
-static void put(drape_world *world, enum record_kind kind, const void *head,
-                size_t size, const struct piece *piece, int pieces)
+static void write_record(drape_world *world, enum record_kind kind,
+                         const void *head, size_t size,
+                         const struct piece *piece, int pieces)
 {
     size_t bytes = round_up(size) + WORD * (size_t)pieces, at = round_up(size);
     if (!world->record)
@@ -87,7 +88,7 @@ void record_cloth(drape_world *world, const drape_cloth *cloth)
     c.x = c.velocity = NULL;
     c.hole = c.cut = NULL;
     c.pins = NULL;
-    put(world, RECORD_CLOTH, &c, sizeof c, p, CLOTH_PIECES);
+    write_record(world, RECORD_CLOTH, &c, sizeof c, p, CLOTH_PIECES);
 }
 
 void record_obstacle(drape_world *world, const drape_obstacle *obstacle)
@@ -97,13 +98,13 @@ void record_obstacle(drape_world *world, const drape_obstacle *obstacle)
     mesh_pieces(obstacle, p);
     o.x = o.frame = NULL;
     o.tri = NULL;
-    put(world, RECORD_MESH, &o, sizeof o, p, MESH_PIECES);
+    write_record(world, RECORD_MESH, &o, sizeof o, p, MESH_PIECES);
 }
 
 /* Finds the pieces in a record, whose sizes are given. False: the record has
  * another size than they need, or a word that says neither yes nor no. */
-static bool find(const uint8_t *data, int64_t bytes, size_t size,
-                 struct piece *piece, int pieces)
+static bool find_pieces(const uint8_t *data, int64_t bytes, size_t size,
+                        struct piece *piece, int pieces)
 {
     size_t at = round_up(size) + WORD * (size_t)pieces;
     const uint8_t *flag = data + round_up(size);
@@ -130,7 +131,7 @@ int record_cloth_of(const uint8_t *data, int64_t bytes, drape_cloth *cloth)
     if (c.m < 2 || c.n < 2 || c.m > 32768 || c.n > 32768 || c.n_pins < 0)
         return DRAPE_EMATCH;
     cloth_pieces(&c, p);
-    if (!find(data, bytes, sizeof c, p, CLOTH_PIECES))
+    if (!find_pieces(data, bytes, sizeof c, p, CLOTH_PIECES))
         return DRAPE_EMATCH;
     c.x = (const double(*)[3])p[0].at;
     c.velocity = (const double(*)[3])p[1].at;
@@ -153,7 +154,7 @@ int record_obstacle_of(const uint8_t *data, int64_t bytes,
         o.n_triangles > INT32_MAX || o.frames < 0 || o.frames > 1 << 24)
         return DRAPE_EMATCH;
     mesh_pieces(&o, p);
-    if (!find(data, bytes, sizeof o, p, MESH_PIECES))
+    if (!find_pieces(data, bytes, sizeof o, p, MESH_PIECES))
         return DRAPE_EMATCH;
     o.x = (const double(*)[3])p[0].at;
     o.tri = (const int32_t(*)[3])p[1].at;

@@ -15,8 +15,8 @@ struct parts {
 
 /* §8: the direction of the spring from p to q, d apart and of this length, half
  * way through the predicted motion. */
-static vec direction(const struct blocks *s, int64_t p, int64_t q, vec d,
-                     real length)
+static vec spring_direction(const struct blocks *s, int64_t p, int64_t q, vec d,
+                            real length)
 {
     vec way = vec_make(0, 0, 0);
     if (s->n_q)
@@ -42,11 +42,11 @@ static struct parts spring_parts(const struct blocks *s, int o, int64_t p,
     real a = tau * law->damp + square * law_slope(law, s->piece, length);
     b.b = square * real_max(law_tension(law, s->piece, length) / length, 0);
     b.c = a - b.b;
-    b.u = direction(s, p, q, d, length);
+    b.u = spring_direction(s, p, q, d, length);
     return b;
 }
 
-static real middle(const struct blocks *s, int o, int64_t p)
+static real triple_stiffness(const struct blocks *s, int o, int64_t p)
 {
     return triple_constant(s->triple, o, s->beside[p]);
 }
@@ -58,7 +58,8 @@ static struct parts with_triples(const struct blocks *s, int o, int64_t p,
 {
     int64_t q = p + spring_step(s->m, o);
     real fraction = spring_fraction(o, s->beside[p]), square = s->tau * s->tau;
-    a.b = fraction * a.b + 2 * square * (middle(s, o, p) + middle(s, o, q));
+    a.b = fraction * a.b +
+          2 * square * (triple_stiffness(s, o, p) + triple_stiffness(s, o, q));
     a.c *= fraction;
     return a;
 }
@@ -66,7 +67,7 @@ static struct parts with_triples(const struct blocks *s, int o, int64_t p,
 /* §7: of the triple that starts at p, the block between its ends. */
 static struct parts end_to_end(const struct blocks *s, int o, int64_t p)
 {
-    real k = middle(s, o, p + spring_step(s->m, o));
+    real k = triple_stiffness(s, o, p + spring_step(s->m, o));
     return (struct parts){-(s->tau * s->tau * k), 0, {0, 0, 0}};
 }
 

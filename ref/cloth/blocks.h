@@ -7,7 +7,7 @@
 #include "ref/base/packed.h"
 #include "ref/cloth/cloth.h"
 
-/* §8: half of the largest turn that a spring is followed through, rad. */
+/* §8: half of the largest rotation that a spring is followed through, rad. */
 #define BLOCKS_ROTATION 0.025
 
 struct blocks {

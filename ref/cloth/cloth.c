@@ -7,7 +7,7 @@
 #include "ref/cloth/measured.h"
 #include "ref/cloth/triple.h"
 
-static bool absent(const drape_cloth *d, int64_t p)
+static bool is_absent(const drape_cloth *d, int64_t p)
 {
     return d->hole && d->hole[p];
 }
@@ -21,8 +21,8 @@ static bool has_cell(const drape_cloth *d, int64_t i, int64_t j)
     if (d->cut && d->cut[i + (d->m - 1) * j])
         return false;
     int64_t p = i + d->m * j;
-    return !absent(d, p) && !absent(d, p + 1) && !absent(d, p + d->m) &&
-           !absent(d, p + d->m + 1);
+    return !is_absent(d, p) && !is_absent(d, p + 1) &&
+           !is_absent(d, p + d->m) && !is_absent(d, p + d->m + 1);
 }
 
 /* §4: the shares of the springs along u, v and each diagonal in the stiffness
@@ -36,7 +36,7 @@ struct angle {
     double c2, s2;
 };
 
-static struct moduli membrane(const drape_material *a, struct angle t)
+static struct moduli membrane_moduli(const drape_material *a, struct angle t)
 {
     struct moduli s;
     s.diagonal = a->shear / (2 * t.c2 * t.s2);
@@ -45,7 +45,7 @@ static struct moduli membrane(const drape_material *a, struct angle t)
     return s;
 }
 
-static struct moduli bending(const drape_material *a, struct angle t)
+static struct moduli bending_moduli(const drape_material *a, struct angle t)
 {
     double least = 6 * t.c2 * t.s2;
     if (2 * t.c2 * t.c2 > least)
@@ -111,8 +111,8 @@ int ref_cloth_laws(const drape_cloth *d, struct cloth *c)
 
     double square = hu * hu + hv * hv, diagonal = sqrt(square);
     struct angle t = {hu * hu / square, hv * hv / square};
-    struct moduli s = membrane(&d->material, t);
-    struct moduli b = bending(&d->material, t);
+    struct moduli s = membrane_moduli(&d->material, t);
+    struct moduli b = bending_moduli(&d->material, t);
     c->misfit = (struct misfit){.kind = MISFIT_OBLONG};
     if (!(s.u > 0 && s.v > 0))
         return DRAPE_EARG;
@@ -177,7 +177,8 @@ static void fill_particle(const drape_cloth *d, struct cloth *c, int64_t p)
 }
 
 /* The constant of the triple of direction o with its middle at (i, j). */
-static double middle(const struct cloth *c, int o, int64_t i, int64_t j)
+static double triple_constant_at(const struct cloth *c, int o, int64_t i,
+                                 int64_t j)
 {
     if (!c->triples || i < 0 || j < 0 || i >= c->m || j >= c->n)
         return 0;
@@ -186,7 +187,7 @@ static double middle(const struct cloth *c, int o, int64_t i, int64_t j)
 
 /* The bound on the slope of the springs of direction o; limited: with what a
  * limit or a measured tension adds to it, which is not damped (§8, §9). */
-static double steepest(const struct cloth *c, int o, bool limited)
+static double steepest_slope(const struct cloth *c, int o, bool limited)
 {
     const struct law *a = &c->law[o];
     return (double)(limited || o >= SPRINGS_SINGLE ? a->stiff : a->press);
@@ -194,36 +195,37 @@ static double steepest(const struct cloth *c, int o, bool limited)
 
 /* §6: half of p's row sum of the stiffness bounds, N/m, of all springs and
  * triples at p. */
-static double stiffness(const struct cloth *c, int64_t p, bool limited)
+static double stiffness_bound(const struct cloth *c, int64_t p, bool limited)
 {
     int64_t j = p / c->m, i = p % c->m;
     double k = 0;
     for (int o = 0; o < SPRINGS_SINGLE; o++) {
         int64_t di = spring_di[o], dj = spring_dj[o];
-        k += 4 * middle(c, o, i, j) +
-             2 * (middle(c, o, i + di, j + dj) + middle(c, o, i - di, j - dj));
+        k += 4 * triple_constant_at(c, o, i, j) +
+             2 * (triple_constant_at(c, o, i + di, j + dj) +
+                  triple_constant_at(c, o, i - di, j - dj));
     }
     for (int o = 0; o < SPRINGS; o++) {
         int64_t di = spring_di[o], dj = spring_dj[o];
         if (c->springs[p] >> o & 1)
-            k += steepest(c, o, limited);
+            k += steepest_slope(c, o, limited);
         if (i - di < 0 || i - di >= c->m || j < dj)
             continue;
         if (c->springs[p - di - dj * c->m] >> o & 1)
-            k += steepest(c, o, limited);
+            k += steepest_slope(c, o, limited);
     }
     return k;
 }
 
 /* §6: the bound of Gershgorin on the eigenvalues of M⁻¹K: the maximum over the
  * free particles of twice the stiffness by the mass. */
-static double gershgorin(const struct cloth *c, bool limited)
+static double gershgorin_bound(const struct cloth *c, bool limited)
 {
     double bound = 0;
     for (int64_t p = 0; p < c->count; p++) {
         if (c->fixed[p])
             continue;
-        double row = 2 * stiffness(c, p, limited) / (double)c->mass[p];
+        double row = 2 * stiffness_bound(c, p, limited) / (double)c->mass[p];
         bound = row > bound ? row : bound;
     }
     return bound;
@@ -237,8 +239,8 @@ void ref_cloth_weigh(struct cloth *c)
         int cells = (int)((b & 1) + (b >> 1 & 1) + (b >> 2 & 1) + (b >> 3));
         c->mass[p] = (real)cells * (R(0.25) * c->cell_mass);
     }
-    c->bound = gershgorin(c, true);
-    c->damped = gershgorin(c, false);
+    c->bound = gershgorin_bound(c, true);
+    c->damped = gershgorin_bound(c, false);
 }
 
 int ref_cloth_fill(const drape_cloth *d, struct cloth *c, int64_t base)
@@ -267,7 +269,7 @@ int ref_cloth_fill(const drape_cloth *d, struct cloth *c, int64_t base)
     return DRAPE_OK;
 }
 
-static vec rounded(const double a[3])
+static vec round_vector(const double a[3])
 {
     return vec_make((real)a[0], (real)a[1], (real)a[2]);
 }
@@ -279,8 +281,8 @@ int ref_cloth_start(const drape_cloth *d, vec *x, vec *v)
         double s = hu * (double)(p % d->m), t = hv * (double)(p / d->m), a[3];
         for (int k = 0; k < 3; k++)
             a[k] = d->x ? d->x[p][k] : d->origin[k] + s * d->u[k] + t * d->v[k];
-        x[p] = rounded(a);
-        v[p] = d->velocity ? rounded(d->velocity[p]) : vec_make(0, 0, 0);
+        x[p] = round_vector(a);
+        v[p] = d->velocity ? round_vector(d->velocity[p]) : vec_make(0, 0, 0);
         if (!vec_sane(x[p]) || !vec_sane(v[p]))
             return DRAPE_EDATA;
     }

@@ -9,7 +9,7 @@
  * rise; κ is then multiplied. */
 static const real STEADY = R(0.9), GROWTH = R(10.0);
 
-static int check(const struct coulomb *s)
+static int check_input(const struct coulomb *s)
 {
     if (!(s->dt > 0 && s->tau > 0 && s->give >= 0 && s->reach >= 0 &&
           s->stiffest > 0) ||
@@ -23,7 +23,7 @@ static int check(const struct coulomb *s)
 }
 
 /* A vector cut to the length `most`. */
-static vec cut(vec a, real most)
+static vec cut_length(vec a, real most)
 {
     real size = vec_length(a);
     return size > most ? vec_scale(most / size, a) : a;
@@ -56,7 +56,7 @@ static bool is_single(const struct coulomb *s, const struct contact *c)
 
 /* §2.3: the impulses that the call before found become the multipliers. Where λ
  * rises as much as before, κ is too small. */
-static void renew(const struct coulomb *s, struct contact *c)
+static void renew_multipliers(const struct coulomb *s, struct contact *c)
 {
     real rise = c->impulse - c->lambda;
     bool steady = c->lambda > 0 && c->rise > 0 && rise > STEADY * c->rise;
@@ -64,15 +64,15 @@ static void renew(const struct coulomb *s, struct contact *c)
         c->kappa = real_min(GROWTH * c->kappa, s->stiffest);
     c->rise = rise;
     c->lambda = c->load = c->impulse;
-    c->lambda_t = cut(c->tangent, c->friction * c->impulse);
+    c->lambda_t = cut_length(c->tangent, c->friction * c->impulse);
 }
 
 /* §1, §2, §3.1: impulses and matrix of contact k. */
-static void evaluate(const struct coulomb *s, int64_t k)
+static void evaluate_contact(const struct coulomb *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
     if (s->renews)
-        renew(s, c);
+        renew_multipliers(s, c);
     vec v = vec_scale(s->dt / s->tau, pair_sum(c->v, c->c, s->u));
     real along = vec_dot(c->n, v);
     real lack = c->target * (s->dt / s->tau) - along;
@@ -95,8 +95,8 @@ static void evaluate(const struct coulomb *s, int64_t k)
                                                               : CONTACT_MUTUAL;
     /* §2.3: what renewed multipliers would give */
     real load = c->impulse, next = push_of(s, c, load, lack);
-    vec drag = cut(c->tangent, c->friction * load);
-    drag = cut(vec_axpy(drag, -c->kappa, slip), c->friction * load);
+    vec drag = cut_length(c->tangent, c->friction * load);
+    drag = cut_length(vec_axpy(drag, -c->kappa, slip), c->friction * load);
     s->next[k] = vec_axpy(drag, next, c->n);
 }
 
@@ -140,7 +140,7 @@ static sym bound_of(const struct coulomb *s, const struct contact *c, int j)
 }
 
 /* The sums over the contacts of vertex i. */
-static void gather(const struct coulomb *s, int64_t i)
+static void gather_vertex(const struct coulomb *s, int64_t i)
 {
     vec force = vec_make(0, 0, 0), next = force, none = force;
     sym sum[2] = {{0, 0, 0, 0, 0, 0}, {0, 0, 0, 0, 0, 0}};
@@ -168,7 +168,7 @@ static void gather(const struct coulomb *s, int64_t i)
 
 int ref_coulomb(struct coulomb *s)
 {
-    int status = check(s);
+    int status = check_input(s);
     if (status != DRAPE_OK)
         return status;
     struct incidence by = {.nv = s->nv,
@@ -182,15 +182,15 @@ int ref_coulomb(struct coulomb *s)
         ref_incidence(&by);
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++)
-        evaluate(s, k);
+        evaluate_contact(s, k);
     EACH_ITEM
     for (int64_t i = 0; i < s->nv; i++)
-        gather(s, i);
+        gather_vertex(s, i);
     return DRAPE_OK;
 }
 
 /* §3.1: the impulse of contact c in answer to the velocities x. */
-static vec answer(const struct links *s, const struct contact *c)
+static vec answer_velocities(const struct links *s, const struct contact *c)
 {
     vec v = pair_sum(c->v, c->c, s->x);
     real a = c->stiffness_n, b = c->stiffness_t;
@@ -205,7 +205,7 @@ int ref_links(struct links *s)
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++)
         s->push[k] = s->contact[k].coupling == CONTACT_MUTUAL
-                         ? answer(s, &s->contact[k])
+                         ? answer_velocities(s, &s->contact[k])
                          : vec_make(0, 0, 0);
     EACH_ITEM
     for (int64_t i = 0; i < s->nv; i++)

@@ -9,7 +9,7 @@ enum { MISS = -1, STARTED = -2, PRESCRIBED = -3 };
 
 /* §1: 0 for an impact, which a response can part; else why the candidate is
  * left out. */
-static int32_t decide(const struct impacts *s, int64_t k)
+static int32_t decide_candidate(const struct impacts *s, int64_t k)
 {
     if (s->toi[k] == NARROW_MISS)
         return MISS;
@@ -36,7 +36,7 @@ int ref_impacts(struct impacts *s)
             return DRAPE_EARG;
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++)
-        s->at[k] = decide(s, k);
+        s->at[k] = decide_candidate(s, k);
 
     s->found = s->started = s->prescribed = 0;
     for (int64_t k = 0; k < s->n; k++) {

@@ -23,7 +23,7 @@ static int body_of(const struct world *w, int32_t v)
 }
 
 /* Whether a side of the pair is of a cloth that is asleep. */
-static bool rests(const struct world *w, const struct kept *k)
+static bool is_asleep(const struct world *w, const struct kept *k)
 {
     int32_t v[2];
     sides_of(k, v);
@@ -36,7 +36,7 @@ static bool rests(const struct world *w, const struct kept *k)
 }
 
 /* Leaves out what presses nothing, and orders the rest. */
-static int arrange(const struct world *w, struct kept *list, int64_t *n)
+static int sort_kept(const struct world *w, struct kept *list, int64_t *n)
 {
     int64_t found = 0;
     for (int64_t k = 0; k < *n; k++)
@@ -73,11 +73,11 @@ int kept_gather(const struct world *w, struct kept **list, int64_t *n)
     w->run->fetch(w->on, *list + awake, a->resting.data,
                   (size_t)a->n_resting * size);
     int status = w->run->status(w->on);
-    return status == DRAPE_OK ? arrange(w, *list, n) : status;
+    return status == DRAPE_OK ? sort_kept(w, *list, n) : status;
 }
 
 /* Room for n entries in a pool that has `used`, which stay. */
-static int widen(struct world *w, struct pool *p, int64_t used, int64_t n)
+static int widen_pool(struct world *w, struct pool *p, int64_t used, int64_t n)
 {
     struct pool wide = {0};
     if (n <= p->cap)
@@ -97,9 +97,9 @@ int kept_room(struct world *w, int64_t n, struct kept **part)
     *part = arena_take(w->arena, ARENA_OTHER, n, sizeof **part);
     int status = *part ? DRAPE_OK : DRAPE_ENOMEM;
     if (status == DRAPE_OK)
-        status = widen(w, &a->kept[0], a->n_kept[0], n);
+        status = widen_pool(w, &a->kept[0], a->n_kept[0], n);
     if (status == DRAPE_OK)
-        status = widen(w, &a->resting, a->n_resting, n);
+        status = widen_pool(w, &a->resting, a->n_resting, n);
     return status;
 }
 
@@ -112,7 +112,7 @@ int kept_spread(struct world *w, const struct kept *list, int64_t n,
         int64_t *found = asleep ? &a->n_resting : &a->n_kept[0];
         *found = 0;
         for (int64_t k = 0; k < n; k++)
-            if (rests(w, &list[k]) == asleep)
+            if (is_asleep(w, &list[k]) == asleep)
                 part[(*found)++] = list[k];
         if (*found > 0)
             w->run->send(w->on, to->data, part, (size_t)*found * sizeof *part);
@@ -121,7 +121,7 @@ int kept_spread(struct world *w, const struct kept *list, int64_t n,
 }
 
 /* Likewise, of a list for which room is made first. */
-static int distribute(struct world *w, const struct kept *list, int64_t n)
+static int distribute_kept(struct world *w, const struct kept *list, int64_t n)
 {
     struct kept *part = NULL;
     int status = kept_room(w, n, &part);
@@ -139,7 +139,7 @@ int kept_divide(struct world *w)
         return DRAPE_OK;
     int status = kept_gather(w, &list, &n);
     if (status == DRAPE_OK)
-        status = distribute(w, list, n);
+        status = distribute_kept(w, list, n);
     arena_give(w->arena, list);
     return status;
 }
@@ -185,7 +185,7 @@ int kept_inherit(struct world *w, const struct edited *edited)
             list[found++] = e;
     }
     if (status == DRAPE_OK)
-        status = distribute(w, list, found);
+        status = distribute_kept(w, list, found);
     arena_give(edited->old->arena, list);
     return status;
 }

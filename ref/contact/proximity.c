@@ -5,7 +5,7 @@
 
 #include "ref/narrow/closest.h"
 
-static int check(const struct proximity *s)
+static int check_input(const struct proximity *s)
 {
     if (!(s->dt > 0 && s->dt <= REAL_BIG && s->stiffness >= 0) ||
         !(s->range > 0 && s->range <= REAL_BIG))
@@ -20,8 +20,8 @@ static int check(const struct proximity *s)
     return DRAPE_OK;
 }
 
-static void measure(const struct proximity *s, int64_t k, struct wide x[4],
-                    struct closest *r)
+static void measure_pair(const struct proximity *s, int64_t k, struct wide x[4],
+                         struct closest *r)
 {
     for (int j = 0; j < 4; j++)
         x[j] = wide_of(s->x[s->pair[4 * k + j]]);
@@ -96,8 +96,8 @@ static bool find_normal(const struct proximity *s, int64_t k,
 
 /* §3.4: whether pair k stands for its closest points. Where these are on an
  * edge or at a vertex they are those of other pairs, too. */
-static bool stands(const struct proximity *s, int64_t k, const struct wide x[4],
-                   const struct closest *r)
+static bool stands_for_points(const struct proximity *s, int64_t k,
+                              const struct wide x[4], const struct closest *r)
 {
     const int32_t *v = s->pair + 4 * k;
     if (s->kind[k] == CONTACT_EE)
@@ -112,8 +112,8 @@ static bool is_close(const struct proximity *s, int64_t k)
     struct closest r;
     real reach =
         s->range * surfaces_pair(&s->surfaces, s->pair + 4 * k).thickness;
-    measure(s, k, x, &r);
-    return sqrt(r.length2) < (double)reach && stands(s, k, x, &r) &&
+    measure_pair(s, k, x, &r);
+    return sqrt(r.length2) < (double)reach && stands_for_points(s, k, x, &r) &&
            find_normal(s, k, x, &r, &n);
 }
 
@@ -128,14 +128,15 @@ static real push_target(const struct proximity *s, const struct contact *c,
     return real_min(spring, R(0.1) * overlap / s->dt);
 }
 
-static void emit(const struct proximity *s, int64_t k, struct contact *c)
+static void emit_contact(const struct proximity *s, int64_t k,
+                         struct contact *c)
 {
     struct wide x[4], n;
     struct closest r;
     memcpy(c->v, s->pair + 4 * k, sizeof c->v);
     c->kind = s->kind[k];
     struct surface surface = surfaces_pair(&s->surfaces, c->v);
-    measure(s, k, x, &r);
+    measure_pair(s, k, x, &r);
     closest_weights(&r, s->kind[k], c->c);
     find_normal(s, k, x, &r, &n);
     c->n = wide_round(n);
@@ -147,7 +148,7 @@ static void emit(const struct proximity *s, int64_t k, struct contact *c)
 
 int ref_proximity(struct proximity *s)
 {
-    int status = check(s);
+    int status = check_input(s);
     if (status != DRAPE_OK)
         return status;
     EACH_ITEM
@@ -166,6 +167,6 @@ int ref_proximity(struct proximity *s)
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++)
         if (s->at[k] >= 0)
-            emit(s, k, &s->contact[s->at[k]]);
+            emit_contact(s, k, &s->contact[s->at[k]]);
     return DRAPE_OK;
 }

@@ -115,7 +115,7 @@ static int64_t hits_cap(const struct response *s)
 }
 
 /* Fills hit with the pairs that touch, among those with a touched vertex. */
-static int detect(struct response *s, const uint8_t *touched)
+static int detect_hits(struct response *s, const uint8_t *touched)
 {
     struct pairs p;
     int status = s->broad(s->user, touched, &p);
@@ -245,7 +245,7 @@ static int find_contacts(struct response *s, const struct pairs *close,
 
 int response_detect(struct response *s)
 {
-    return detect(s, NULL);
+    return detect_hits(s, NULL);
 }
 
 int response_join(struct response *s)
@@ -279,7 +279,7 @@ int response_repel(struct response *s, const struct pairs *close)
 
 /* §4 */
 
-static int push(struct response *s)
+static int push_hits(struct response *s)
 {
     int status = find_impulses(s);
     if (status != DRAPE_OK)
@@ -293,14 +293,14 @@ static int push(struct response *s)
     return solve_contacts(s, s->active, warm);
 }
 
-static int resolve(struct response *s, int round)
+static int resolve_round(struct response *s, int round)
 {
     int rolls = round - s->max_rounds - s->zone_rounds;
     if (rolls >= 0)
         return failsafe_rollback(s, rolls);
     s->run->clear(s->on, s->touched, (size_t)s->nv);
     s->run->touch(s->on, s);
-    return round < s->max_rounds ? push(s) : failsafe_zones(s);
+    return round < s->max_rounds ? push_hits(s) : failsafe_zones(s);
 }
 
 int response_penetrate(struct response *s)
@@ -310,17 +310,17 @@ int response_penetrate(struct response *s)
     s->solved = s->side;
     s->n_solved = s->active;
     s->rounds = 1;
-    int status = s->done ? DRAPE_OK : detect(s, NULL);
+    int status = s->done ? DRAPE_OK : detect_hits(s, NULL);
     s->hits = s->done ? 0 : s->hits;
     for (int round = 0; status == DRAPE_OK && s->hits > 0; round++) {
         if (s->stop_before_zones && round >= s->max_rounds) {
             s->outcome |= DRAPE_ZONES;
             break;
         }
-        status = resolve(s, round);
+        status = resolve_round(s, round);
         if (status != DRAPE_OK || s->hits == 0)
             break;
-        status = detect(s, s->touched);
+        status = detect_hits(s, s->touched);
         s->rounds++;
     }
     if (s->started || s->prescribed)

@@ -23,8 +23,7 @@ struct response {
     void *on; /* the backend's own */
 
     int64_t nv;
-    const real
-        *w; /* [nv] 1/kg, ≥ 0; 0: prescribed, x1 and v as they are told */
+    const real *w; /* [nv] 1/kg, ≥ 0; 0: prescribed, x1 and v stay */
     struct surfaces surfaces;   /* of the vertices */
     struct one_rings one_rings; /* the triangles around each vertex */
     const vec *x0;   /* [nv] m, start of the step; nothing touches there */

@@ -24,7 +24,7 @@ static int32_t least_label(const struct zones *s, int64_t k)
 }
 
 /* Lowers *label to `to`. True: it was larger. */
-static bool lower(int32_t *label, int32_t to)
+static bool lower_label(int32_t *label, int32_t to)
 {
     bool lowers = to < *label;
     if (lowers)
@@ -32,9 +32,9 @@ static bool lower(int32_t *label, int32_t to)
     return lowers;
 }
 
-/* One turn of labels: each free vertex, and the vertex that its label names,
- * take the pair's smallest label; then each vertex takes its label's label.
- * True: a label changed. */
+/* One iteration of labels: each free vertex, and the vertex that its label
+ * names, take the pair's smallest label; then each vertex takes its label's
+ * label. True: a label changed. */
 static bool spread_labels(struct zones *s)
 {
     bool changed = false;
@@ -43,13 +43,13 @@ static bool spread_labels(struct zones *s)
         if (!is_free(s, i))
             continue;
         int32_t least = least_label(s, k / 4);
-        changed |= lower(&s->label[s->label[i]], least);
-        changed |= lower(&s->label[i], least);
+        changed |= lower_label(&s->label[s->label[i]], least);
+        changed |= lower_label(&s->label[i], least);
     }
     for (int64_t k = 0; k < s->n4; k++) {
         int32_t i = s->pair[k];
         if (is_free(s, i))
-            changed |= lower(&s->label[i], s->label[s->label[i]]);
+            changed |= lower_label(&s->label[i], s->label[s->label[i]]);
     }
     return changed;
 }
@@ -92,7 +92,7 @@ static struct zone_sum sum_add(const struct zone_sum *p,
 }
 
 /* Sums n members pairwise, as a tree whose shape depends on n alone. */
-static struct zone_sum tree(struct zone_sum *sum, int64_t n)
+static struct zone_sum sum_members(struct zone_sum *sum, int64_t n)
 {
     for (int64_t step = 1; step < n; step *= 2)
         for (int64_t k = 0; k + step < n; k += 2 * step)
@@ -110,8 +110,8 @@ static real mass_of(const struct zones *s, const struct zone *z, int32_t i)
 }
 
 /* The share of vertex i in the sums of centre and velocity. */
-static struct zone_sum linear(const struct zones *s, const struct zone *z,
-                              int32_t i)
+static struct zone_sum linear_part(const struct zones *s, const struct zone *z,
+                                   int32_t i)
 {
     real m = mass_of(s, z, i);
     struct zone_sum r = {m,
@@ -128,8 +128,8 @@ static vec arm_of(const struct zones *s, const struct zone *z, int32_t i)
 }
 
 /* The share of vertex i in the sums of angular momentum and inertia. */
-static struct zone_sum angular(const struct zones *s, const struct zone *z,
-                               int32_t i)
+static struct zone_sum angular_part(const struct zones *s, const struct zone *z,
+                                    int32_t i)
 {
     real m = mass_of(s, z, i);
     vec r = arm_of(s, z, i), d = vec_sub(s->u[i], z->velocity);
@@ -177,13 +177,13 @@ static void find_motion(struct zones *s, struct zone *z,
     for (int64_t k = 0; k < n; k++)
         z->prescribed |= !is_free(s, (int32_t)member[k].lo);
     for (int64_t k = 0; k < n; k++)
-        sum[k] = linear(s, z, (int32_t)member[k].lo);
-    struct zone_sum all = tree(sum, n);
+        sum[k] = linear_part(s, z, (int32_t)member[k].lo);
+    struct zone_sum all = sum_members(sum, n);
     z->centre = vec_scale(1 / all.m, all.a);
     z->velocity = vec_scale(1 / all.m, all.b);
     for (int64_t k = 0; k < n; k++)
-        sum[k] = angular(s, z, (int32_t)member[k].lo);
-    all = tree(sum, n);
+        sum[k] = angular_part(s, z, (int32_t)member[k].lo);
+    all = sum_members(sum, n);
     z->spin = spin_of(all.i, all.a);
     /* §3.2: at most a quarter turn */
     vec half = vec_scale(R(0.5) * s->dt, z->spin);

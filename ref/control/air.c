@@ -2,7 +2,7 @@
 /* The wind of a world, on either backend. spec/cloth/wind.md */
 #include "ref/control/air.h"
 
-static void *take(struct world *w, void *had, int64_t n, size_t size)
+static void *take_array(struct world *w, void *had, int64_t n, size_t size)
 {
     return had ? had : w->run->take(w->on, ARENA_SOLVER, n, size);
 }
@@ -12,13 +12,13 @@ int air_take(struct world *w)
     for (int k = 0; k < w->def.n_cloths; k++) {
         struct dynamics *d = &w->sheet[k].dynamics;
         int64_t n = w->sheet[k].cloth.count;
-        d->wind = take(w, d->wind, n, sizeof *d->wind);
+        d->wind = take_array(w, d->wind, n, sizeof *d->wind);
         if (w->plan.implicit)
-            d->inertia = take(w, d->inertia, n, sizeof *d->inertia);
+            d->inertia = take_array(w, d->inertia, n, sizeof *d->inertia);
         if (!w->device)
-            d->gust = take(w, d->gust, 2 * n, sizeof *d->gust);
+            d->gust = take_array(w, d->gust, 2 * n, sizeof *d->gust);
         if (!w->device && w->plan.implicit)
-            d->resist = take(w, d->resist, 2 * n, sizeof *d->resist);
+            d->resist = take_array(w, d->resist, 2 * n, sizeof *d->resist);
     }
     return w->run->status(w->on);
 }

@@ -48,20 +48,20 @@ void control_end(struct world *w, bool failed);
 int64_t control_pack(const struct world *w, uint8_t *out);
 /* Whether a part of this size, which anybody may have made, fits the world. */
 bool control_fits(const struct world *w, const uint8_t *in, int64_t bytes);
-/* Whether a part that fits says that the caller leads an obstacle. */
+/* Whether a part that fits says that the caller moves an obstacle. */
 bool control_is_targeted(const struct world *w, const uint8_t *in,
                          int64_t bytes, int obstacle);
 /* The largest size of a part that can fit. */
 int64_t control_most(const struct world *w);
 /* Makes the world as the part says; bytes: 0 for a world as defined. The part
- * fits. to: [nv] on the host, targets that were told for the next step, or
+ * fits. to: [nv] on the host, targets that were set for the next step, or
  * NULL; x: [nv] on the host, the state. DRAPE_OK, or DRAPE_ENOMEM and nothing
  * has changed; DRAPE_EDATA if a material does not go with the cloth. */
 int control_unpack(struct world *w, const uint8_t *in, int64_t bytes,
                    const vec *to, const vec *x);
 
-/* §9.2: makes an heir, which has the state of the old world, as that was
- * changed. DRAPE_OK, DRAPE_ENOMEM or DRAPE_EDEVICE. */
+/* §9.2: makes an edited world, which has the state of the old world, as that
+ * was changed. DRAPE_OK, DRAPE_ENOMEM or DRAPE_EDEVICE. */
 int control_inherit(struct world *w, const struct edited *edited);
 
 #define CONTROL_OPS                                                            \

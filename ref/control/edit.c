@@ -130,7 +130,7 @@ void edit_keep_sizes(struct world *w, const struct edited *edited)
 /* §9.2: the state. */
 
 /* Copies a stream that was filled on the host to the backend's own. */
-static void resend(struct world *w, vec *to, const vec *from, int64_t n)
+static void resend_vectors(struct world *w, vec *to, const vec *from, int64_t n)
 {
     if (to != from)
         w->run->send(w->on, to, from, (size_t)n * sizeof *to);
@@ -167,8 +167,8 @@ static void begin_cloth(struct world *w, int k)
         h->past_v[p] = h->v0[p];
         h->past_x[p] = vec_axpy(h->x0[p], -dt, h->v0[p]);
     }
-    resend(w, w->past_x + first, h->past_x + first, n);
-    resend(w, w->past_v + first, h->past_v + first, n);
+    resend_vectors(w, w->past_x + first, h->past_x + first, n);
+    resend_vectors(w, w->past_v + first, h->past_v + first, n);
 }
 
 /* §9.3: a new obstacle is where its motion or its frames have it now. */
@@ -184,7 +184,7 @@ static int begin_obstacle(struct world *w, int k)
         prescribe_frame(p, w->time);
     p->place.x = h->x0 + p->first;
     int status = ref_kinematics(&p->place);
-    resend(w, w->x0 + p->first, p->place.x, p->place.n);
+    resend_vectors(w, w->x0 + p->first, p->place.x, p->place.n);
     w->run->copy(w->on, w->x1 + p->first, w->x0 + p->first,
                  (size_t)p->place.n * sizeof *w->x1);
     return status;
@@ -204,8 +204,8 @@ static int copy_numbers(struct world *w, const struct world *old)
 
 /* §9.4: refuses pairs of the new body, and counts all. The host looks where the
  * pairs may have to be named, or a triangle has no area. */
-static int admit(struct world *w, const struct edited *edited,
-                 drape_error *error)
+static int admit_body(struct world *w, const struct edited *edited,
+                      drape_error *error)
 {
     int64_t before = edited->old->intersecting, found = before;
     if (!w->plan.collides || (edited->added < 0 && before == 0))
@@ -243,6 +243,6 @@ int edit_inherit(struct world *w, const struct edited *edited,
     if (status == DRAPE_OK)
         status = kept_inherit(w, edited);
     if (status == DRAPE_OK)
-        status = admit(w, edited, error);
+        status = admit_body(w, edited, error);
     return status == DRAPE_OK ? w->run->status(w->on) : status;
 }

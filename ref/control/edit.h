@@ -9,10 +9,10 @@
 
 struct scene_edit;
 
-/* Fills the definition of the heir, and says where its bodies come from. The
- * arena, which must outlive both, owns what they point to, except what the edit
- * and the old world do. A cloth's particles start at 0, except the pinned ones.
- * DRAPE_OK or DRAPE_ENOMEM. */
+/* Fills the definition of the edited world, and says where its bodies come
+ * from. The arena, which must outlive both, owns what they point to, except
+ * what the edit and the old world do. A cloth's particles start at 0, except
+ * the pinned ones. DRAPE_OK or DRAPE_ENOMEM. */
 int edit_define(const struct world *old, const struct scene_edit *edit,
                 struct arena *arena, drape_def *def, struct edited *edited);
 /* Gives the cloths that stay the sizes by which the old world's tree was made.
@@ -20,7 +20,8 @@ int edit_define(const struct world *old, const struct scene_edit *edit,
 void edit_keep_sizes(struct world *w, const struct edited *edited);
 /* Gives a world that was made of that definition the state of the old one.
  * DRAPE_OK; DRAPE_ESTART and a text if the new body intersects something;
- * DRAPE_EDATA if its motion leads beyond 2^60; DRAPE_ENOMEM, DRAPE_EDEVICE. */
+ * DRAPE_EDATA if its motion takes it beyond 2^60; DRAPE_ENOMEM, DRAPE_EDEVICE.
+ */
 int edit_inherit(struct world *w, const struct edited *edited,
                  drape_error *error);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Live control of pins and obstacles, for either backend: where the caller
- * leads vertices in the next step. spec/control/control.md §3, §4, §5 */
+ * moves vertices in the next step. spec/control/control.md §3, §4, §5 */
 #include "ref/api/ops.h"
 #include "ref/control/control.h"
 #include "ref/sleep/sleep.h"
@@ -16,11 +16,11 @@ int control_take_targets(struct world *w)
     return t->from && t->to ? DRAPE_OK : w->run->status(w->on);
 }
 
-/* §3: a target is told: what is prescribed goes there from where it is. */
-static void arm(struct world *w)
+/* §3: a target is set: the vertices go there from where they are. */
+static void arm_targets(struct world *w)
 {
     size_t bytes = (size_t)w->nv * sizeof *w->x0;
-    if (!w->targets.armed) { /* what is told no other target stays */
+    if (!w->targets.armed) { /* a vertex without a target stays */
         w->run->copy(w->on, w->targets.from, w->x0, bytes);
         w->run->copy(w->on, w->targets.to, w->x0, bytes);
     }
@@ -155,7 +155,7 @@ int control_pins(struct world *w, int cloth, int64_t n, const int32_t *particle,
         status = replace_pins(w, cloth, n, particle);
     if (status != DRAPE_OK)
         return status;
-    arm(w);
+    arm_targets(w);
     vec *to = w->targets.to + s->first;
     w->run->copy(w->on, to, w->x0 + s->first,
                  (size_t)s->cloth.count * sizeof *to);
@@ -170,7 +170,7 @@ static int tell_obstacle(struct world *w, struct prop *p)
 {
     vec *x1 = w->x1 + p->first;
     size_t bytes = (size_t)p->place.n * sizeof *x1;
-    arm(w);
+    arm_targets(w);
     w->run->copy(w->on, w->targets.to + p->first, x1, bytes);
     p->targeted = true;
     w->broad.apart.able &= p->moves;
@@ -178,7 +178,7 @@ static int tell_obstacle(struct world *w, struct prop *p)
 }
 
 /* Puts back x1 of an obstacle, which no step writes if it never moves. */
-static int refuse(struct world *w, const struct prop *p, int status)
+static int restore_obstacle(struct world *w, const struct prop *p, int status)
 {
     w->run->copy(w->on, w->x1 + p->first, w->x0 + p->first,
                  (size_t)p->place.n * sizeof *w->x1);
@@ -193,7 +193,8 @@ int control_obstacle(struct world *w, int obstacle, struct given x)
     if (status == DRAPE_OK)
         status = control_take(w, x, p->place.n, w->home->x1 + p->first,
                               w->x1 + p->first);
-    return status == DRAPE_OK ? tell_obstacle(w, p) : refuse(w, p, status);
+    return status == DRAPE_OK ? tell_obstacle(w, p)
+                              : restore_obstacle(w, p, status);
 }
 
 int control_pose(struct world *w, int obstacle, const drape_motion *motion)
@@ -221,5 +222,6 @@ int control_pose(struct world *w, int obstacle, const drape_motion *motion)
                            .poses = 1,
                            .x = w->x1 + p->first};
     status = w->run->kinematics(w->on, &k);
-    return status == DRAPE_OK ? tell_obstacle(w, p) : refuse(w, p, status);
+    return status == DRAPE_OK ? tell_obstacle(w, p)
+                              : restore_obstacle(w, p, status);
 }

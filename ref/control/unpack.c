@@ -21,7 +21,7 @@ static bool material_changed(const struct sheet *s)
     return memcmp(&s->made.material, &s->defined, sizeof s->defined) != 0;
 }
 
-static bool changed(const struct world *w)
+static bool has_changes(const struct world *w)
 {
     bool is = false;
     for (int k = 0; k < w->def.n_cloths; k++)
@@ -32,7 +32,8 @@ static bool changed(const struct world *w)
 }
 
 /* Appends bytes to the part, or only counts them. */
-static void put(uint8_t *out, int64_t *at, const void *data, int64_t bytes)
+static void append_bytes(uint8_t *out, int64_t *at, const void *data,
+                         int64_t bytes)
 {
     if (out)
         memcpy(out + *at, data, (size_t)bytes);
@@ -42,21 +43,21 @@ static void put(uint8_t *out, int64_t *at, const void *data, int64_t bytes)
 int64_t control_pack(const struct world *w, uint8_t *out)
 {
     int64_t at = 0;
-    if (!changed(w))
+    if (!has_changes(w))
         return 0;
     for (int k = 0; k < w->def.n_cloths; k++) {
         const struct sheet *s = &w->sheet[k];
         const struct caller_pins *h = &s->caller_pins;
         int64_t n = h->on ? h->n : -1;
         const int32_t none = 0;
-        put(out, &at, &s->made.material, sizeof s->made.material);
-        put(out, &at, &n, sizeof n);
+        append_bytes(out, &at, &s->made.material, sizeof s->made.material);
+        append_bytes(out, &at, &n, sizeof n);
         for (int64_t i = 0; i < 2 * words_of(n); i++)
-            put(out, &at, i < n ? &h->list[i] : &none, sizeof none);
+            append_bytes(out, &at, i < n ? &h->list[i] : &none, sizeof none);
     }
     for (int k = 0; k < w->def.n_obstacles; k++) {
         uint64_t targeted = w->prop[k].targeted;
-        put(out, &at, &targeted, sizeof targeted);
+        append_bytes(out, &at, &targeted, sizeof targeted);
     }
     return at;
 }
@@ -70,7 +71,7 @@ int64_t control_most(const struct world *w)
     return most;
 }
 
-static bool within(double a, double lo, double hi)
+static bool is_within(double a, double lo, double hi)
 {
     return a >= lo && a <= hi;
 }
@@ -80,12 +81,12 @@ static bool good_material(const drape_material *m)
 {
     const double big = (double)REAL_BIG;
     bool good = m->density > 0 && m->density <= big && m->stretch > 0 &&
-                m->stretch <= big && within(m->shear, 0, m->stretch / 2) &&
-                within(m->bend, 0, big) && within(m->damping, 0, 1e6) &&
+                m->stretch <= big && is_within(m->shear, 0, m->stretch / 2) &&
+                is_within(m->bend, 0, big) && is_within(m->damping, 0, 1e6) &&
                 m->thickness > 0 && m->thickness <= big &&
-                within(m->friction, 0, 1e6);
+                is_within(m->friction, 0, 1e6);
     for (int k = 0; k < 3; k++)
-        good &= m->limit[k] == 0 || within(m->limit[k], 0.01, 10);
+        good &= m->limit[k] == 0 || is_within(m->limit[k], 0.01, 10);
     for (int o = 0; o < DRAPE_TABLES; o++)
         good &= table_fault(m->table[o]) < 0;
     return good;
@@ -193,8 +194,8 @@ static int try_cloth(struct world *w, int k, const struct next *next)
 }
 
 /* Takes what cloth k will have; said: NULL: all as defined. */
-static int prepare(struct world *w, int k, const struct said *said,
-                   struct next *next)
+static int prepare_cloth(struct world *w, int k, const struct said *said,
+                         struct next *next)
 {
     const struct sheet *home = &w->home->sheet[k];
     const struct cloth *c = &home->cloth;
@@ -219,7 +220,7 @@ static int prepare(struct world *w, int k, const struct said *said,
 }
 
 /* Makes cloth k as it will be; `next` gets what is to be given back. */
-static void commit(struct world *w, int k, struct next *next)
+static void commit_cloth(struct world *w, int k, struct next *next)
 {
     struct sheet *s = &w->sheet[k];
     struct cloth *c = &w->home->sheet[k].cloth;
@@ -256,7 +257,7 @@ static void commit_obstacles(struct world *w, const uint8_t *in)
     w->targets.stirred = false;
 }
 
-/* The targets: those told for the next step, or where things are. */
+/* The targets: those set for the next step, or where things are. */
 static void commit_targets(struct world *w, const vec *to, const vec *x)
 {
     size_t bytes = (size_t)w->nv * sizeof *x;
@@ -269,8 +270,8 @@ static void commit_targets(struct world *w, const vec *to, const vec *x)
 
 /* Makes the world as `said` [n_cloths] and the words `targeted` [n_obstacles]
  * say, or, where said is NULL, as it was defined. */
-static int become(struct world *w, const struct said *said,
-                  const uint8_t *targeted)
+static int apply_changes(struct world *w, const struct said *said,
+                         const uint8_t *targeted)
 {
     int n = w->def.n_cloths, status = DRAPE_OK;
     struct next *next = arena_take(w->arena, ARENA_OTHER, n, sizeof *next);
@@ -280,9 +281,9 @@ static int become(struct world *w, const struct said *said,
     if (status == DRAPE_OK && said)
         status = control_take_targets(w);
     for (int k = 0; k < n && status == DRAPE_OK; k++)
-        status = prepare(w, k, said ? &said[k] : NULL, &next[k]);
+        status = prepare_cloth(w, k, said ? &said[k] : NULL, &next[k]);
     for (int k = 0; k < n && status == DRAPE_OK; k++)
-        commit(w, k, &next[k]);
+        commit_cloth(w, k, &next[k]);
     if (status == DRAPE_OK)
         commit_obstacles(w, targeted);
     for (int k = 0; k < n && next; k++) {
@@ -297,7 +298,7 @@ int control_unpack(struct world *w, const uint8_t *in, int64_t bytes,
                    const vec *to, const vec *x)
 {
     int64_t at = 0;
-    if (bytes == 0 && !changed(w))
+    if (bytes == 0 && !has_changes(w))
         return DRAPE_OK;
     int n = w->def.n_cloths;
     struct said *said = arena_take(w->arena, ARENA_OTHER, n, sizeof *said);
@@ -305,20 +306,21 @@ int control_unpack(struct world *w, const uint8_t *in, int64_t bytes,
         return DRAPE_ENOMEM;
     for (int k = 0; k < n && bytes > 0; k++)
         read_cloth(&w->sheet[k].cloth, in, bytes, &at, &said[k]);
-    int status = become(w, bytes > 0 ? said : NULL, bytes > 0 ? in + at : NULL);
+    int status =
+        apply_changes(w, bytes > 0 ? said : NULL, bytes > 0 ? in + at : NULL);
     if (status == DRAPE_OK)
         commit_targets(w, to, x);
     arena_give(w->arena, said);
     return status;
 }
 
-/* The targets that the old world was told for the next step. */
+/* The targets that the old world has for the next step. */
 static void inherit_targets(struct world *w, const struct edited *edited)
 {
     const struct targets *old = &edited->old->targets;
     size_t bytes = (size_t)w->nv * sizeof *w->x0;
     int bodies = w->def.n_cloths + w->def.n_obstacles;
-    w->targets.armed = old->armed && changed(w);
+    w->targets.armed = old->armed && has_changes(w);
     w->run->copy(w->on, w->targets.from, w->x0, bytes);
     w->run->copy(w->on, w->targets.to, w->x0, bytes);
     for (int k = 0; k < bodies && w->targets.armed; k++) {
@@ -336,7 +338,7 @@ int control_inherit(struct world *w, const struct edited *edited)
 {
     const struct world *old = edited->old;
     int n = w->def.n_cloths, m = w->def.n_obstacles;
-    if (!changed(old))
+    if (!has_changes(old))
         return DRAPE_OK;
     struct said *said = arena_take(w->arena, ARENA_OTHER, n, sizeof *said);
     uint64_t *targeted = arena_take(w->arena, ARENA_OTHER, m, sizeof *targeted);
@@ -353,7 +355,7 @@ int control_inherit(struct world *w, const struct edited *edited)
         targeted[k] = from >= 0 && old->prop[from - old->def.n_cloths].targeted;
     }
     if (status == DRAPE_OK)
-        status = become(w, said, (const uint8_t *)targeted);
+        status = apply_changes(w, said, (const uint8_t *)targeted);
     if (status == DRAPE_OK)
         inherit_targets(w, edited);
     arena_give(w->arena, targeted);

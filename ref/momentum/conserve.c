@@ -46,8 +46,8 @@ static int make_room(struct world *w)
 }
 
 /* §3.1: measures all cloths in the state x, v, but for their springs. */
-static int measure(struct world *w, const vec *x, const vec *v,
-                   struct tally *part)
+static int measure_cloths(struct world *w, const vec *x, const vec *v,
+                          struct tally *part)
 {
     int status = DRAPE_OK;
     for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++) {
@@ -117,7 +117,7 @@ static bool is_finite(const struct gain *g)
 
 /* §3: gives cloth k the gain of its island. Its energies of the motion are
  * those of what it then has. */
-static int give(struct world *w, int k)
+static int give_gain(struct world *w, int k)
 {
     const struct tally *before = &w->conserve.island[w->conserve.of[k]];
     const struct tally *after = before + w->def.n_cloths;
@@ -157,9 +157,9 @@ int conserve_momentum(struct world *w, int outcome)
         return DRAPE_OK;
     int status = make_room(w);
     if (status == DRAPE_OK)
-        status = measure(w, w->x0, w->v0, c->part);
+        status = measure_cloths(w, w->x0, w->v0, c->part);
     if (status == DRAPE_OK)
-        status = measure(w, w->x1, w->v1, c->part + n);
+        status = measure_cloths(w, w->x1, w->v1, c->part + n);
     if (status == DRAPE_OK)
         status = find_islands(w, outcome);
     if (status != DRAPE_OK)
@@ -168,6 +168,6 @@ int conserve_momentum(struct world *w, int outcome)
     tally_join(n, c->of, c->part, c->island);
     tally_join(n, c->of, c->part + n, c->island + n);
     for (int k = 0; k < n && status == DRAPE_OK; k++)
-        status = give(w, k);
+        status = give_gain(w, k);
     return status;
 }

@@ -14,7 +14,7 @@ uint32_t approx_rest(struct big a)
 
 /* Drops the lowest k words, which loses less than one unit of the lowest word
  * kept. */
-static struct approx drop(struct approx a, int k)
+static struct approx drop_words(struct approx a, int k)
 {
     if (k <= 0)
         return a;
@@ -34,17 +34,17 @@ struct approx approx_of(const struct big_arena *m, struct big a)
 {
     struct approx r = {.m = a,
                        .rest = m->keep < APPROX_REST ? 0 : approx_rest(a)};
-    return drop(r, a.n - m->keep);
+    return drop_words(r, a.n - m->keep);
 }
 
 struct approx approx_few(struct approx a)
 {
-    return drop(a, a.m.n - APPROX_FEW);
+    return drop_words(a, a.m.n - APPROX_FEW);
 }
 
 /* Rewrites a in units of 2^(32 low). Words are dropped, or zero words are added
  * below an exact number. */
-static struct approx align(struct big_arena *m, struct approx a, int low)
+static struct approx align_to(struct big_arena *m, struct approx a, int low)
 {
     if (a.m.n == 0 && a.err == 0)
         a.low = low;
@@ -52,10 +52,10 @@ static struct approx align(struct big_arena *m, struct approx a, int low)
         a.m = big_shift(m, a.m, a.low - low);
         a.low = low;
     }
-    return drop(a, low - a.low);
+    return drop_words(a, low - a.low);
 }
 
-static int larger(int a, int b)
+static int larger_of(int a, int b)
 {
     return a > b ? a : b;
 }
@@ -66,13 +66,13 @@ struct approx approx_add(struct big_arena *m, struct approx a, struct approx b)
         return b;
     if (b.m.n == 0 && b.err == 0)
         return a;
-    int top = larger(a.low + a.m.n, b.low + b.m.n);
-    int low = larger(a.low < b.low ? a.low : b.low, top - m->keep);
+    int top = larger_of(a.low + a.m.n, b.low + b.m.n);
+    int low = larger_of(a.low < b.low ? a.low : b.low, top - m->keep);
     /* only an exact number may change to a smaller unit */
-    low = larger(low, a.err ? a.low : low);
-    low = larger(low, b.err ? b.low : low);
-    a = align(m, a, low);
-    b = align(m, b, low);
+    low = larger_of(low, a.err ? a.low : low);
+    low = larger_of(low, b.err ? b.low : low);
+    a = align_to(m, a, low);
+    b = align_to(m, b, low);
     uint64_t rest = (uint64_t)a.rest + b.rest;
     struct approx r = {.m = big_add(m, a.m, b.m),
                        .low = low,
@@ -105,15 +105,15 @@ struct approx approx_mul(struct big_arena *m, struct approx a, struct approx b)
     /* The error is below a.err |b| + b.err |a| + a.err b.err. Dropping as many
      * words as the factor beside each error has leaves at most a.err + b.err +
      * 1. */
-    k = larger(k, larger(a.err ? b.m.n : 0, b.err ? a.m.n : 0));
-    k = larger(k, 1);
+    k = larger_of(k, larger_of(a.err ? b.m.n : 0, b.err ? a.m.n : 0));
+    k = larger_of(k, 1);
     /* products more than two words below the kept words add less than one
      * unit */
-    int from = larger(k - 3, 0);
+    int from = larger_of(k - 3, 0);
     struct approx r = {.m = big_mul_from(m, a.m, b.m, from),
                        .low = a.low + b.low + from,
                        .rest = rest};
-    r = drop(r, k - from);
+    r = drop_words(r, k - from);
     r.err = a.err + b.err + 3;
     return r;
 }

@@ -4,8 +4,8 @@
 #include "ref/narrow/closest.h"
 
 /* Starts a search: y = x - x[0], and the size of the pair; no candidate yet. */
-static void relative(const struct wide x[4], struct wide y[4],
-                     struct closest *r)
+static void start_search(const struct wide x[4], struct wide y[4],
+                         struct closest *r)
 {
     r->length2 = -1;
     r->size2 = 0;
@@ -18,7 +18,8 @@ static void relative(const struct wide x[4], struct wide y[4],
 
 /* Keeps the candidate with weights c if its points are nearer than all before;
  * of a tie the first candidate stays. */
-static void offer(struct closest *r, const struct wide y[4], const double c[4])
+static void offer_candidate(struct closest *r, const struct wide y[4],
+                            const double c[4])
 {
     struct wide p = wide_scale(c[1], y[1]);
     p = wide_axpy(p, c[2], y[2]);
@@ -33,7 +34,7 @@ static void offer(struct closest *r, const struct wide y[4], const double c[4])
 }
 
 /* a / b within [0, 1]; 0 where b is 0. */
-static double ratio(double a, double b)
+static double clamped_ratio(double a, double b)
 {
     if (!(a > 0 && b > 0))
         return 0;
@@ -44,7 +45,7 @@ static double ratio(double a, double b)
 void closest_vf(const struct wide x[4], struct closest *r)
 {
     struct wide y[4];
-    relative(x, y, r);
+    start_search(x, y, r);
     struct wide e = wide_sub(y[2], y[1]), f = wide_sub(y[3], y[1]);
     struct wide q = wide_scale(-1, y[1]), n = wide_cross(e, f);
     double nn = wide_dot(n, n);
@@ -52,16 +53,16 @@ void closest_vf(const struct wide x[4], struct closest *r)
         double s = wide_dot(wide_cross(q, f), n) / nn;
         double t = wide_dot(wide_cross(e, q), n) / nn;
         if (s >= 0 && t >= 0 && s + t <= 1)
-            offer(r, y, (double[4]){1, -(1 - s - t), -s, -t});
+            offer_candidate(r, y, (double[4]){1, -(1 - s - t), -s, -t});
     }
     for (int k = 0; k < 3; k++) {
         int a = 1 + k, b = 1 + (k + 1) % 3;
         struct wide d = wide_sub(y[b], y[a]);
-        double t = ratio(-wide_dot(y[a], d), wide_dot(d, d));
+        double t = clamped_ratio(-wide_dot(y[a], d), wide_dot(d, d));
         double c[4] = {1, 0, 0, 0};
         c[a] = -(1 - t);
         c[b] = -t;
-        offer(r, y, c);
+        offer_candidate(r, y, c);
     }
 }
 
@@ -69,7 +70,7 @@ void closest_vf(const struct wide x[4], struct closest *r)
 void closest_ee(const struct wide x[4], struct closest *r)
 {
     struct wide y[4];
-    relative(x, y, r);
+    start_search(x, y, r);
     struct wide d = y[1], e = wide_sub(y[3], y[2]);
     double dd = wide_dot(d, d), ee = wide_dot(e, e), de = wide_dot(d, e);
     double dq = -wide_dot(d, y[2]), eq = -wide_dot(e, y[2]);
@@ -77,20 +78,21 @@ void closest_ee(const struct wide x[4], struct closest *r)
     if (det > 0) {
         /* t is the best for the s of the 2 × 2 system, and s then the best for
          * that t: the squared distance errs by the square of the first error */
-        double t = ratio(eq + ratio(de * eq - dq * ee, det) * de, ee);
-        double s = ratio(t * de - dq, dd);
-        offer(r, y, (double[4]){1 - s, s, -(1 - t), -t});
+        double t =
+            clamped_ratio(eq + clamped_ratio(de * eq - dq * ee, det) * de, ee);
+        double s = clamped_ratio(t * de - dq, dd);
+        offer_candidate(r, y, (double[4]){1 - s, s, -(1 - t), -t});
     }
-    double t0 = ratio(eq, ee), t1 = ratio(eq + de, ee);
-    double s0 = ratio(-dq, dd), s1 = ratio(de - dq, dd);
-    offer(r, y, (double[4]){1, 0, -(1 - t0), -t0});
-    offer(r, y, (double[4]){0, 1, -(1 - t1), -t1});
-    offer(r, y, (double[4]){1 - s0, s0, -1, 0});
-    offer(r, y, (double[4]){1 - s1, s1, 0, -1});
+    double t0 = clamped_ratio(eq, ee), t1 = clamped_ratio(eq + de, ee);
+    double s0 = clamped_ratio(-dq, dd), s1 = clamped_ratio(de - dq, dd);
+    offer_candidate(r, y, (double[4]){1, 0, -(1 - t0), -t0});
+    offer_candidate(r, y, (double[4]){0, 1, -(1 - t1), -t1});
+    offer_candidate(r, y, (double[4]){1 - s0, s0, -1, 0});
+    offer_candidate(r, y, (double[4]){1 - s1, s1, 0, -1});
 }
 
 /* The nearest multiple of the quantum: 2^-22, or 2^-50 in binary64. */
-static double quantum(double a)
+static double round_to_quantum(double a)
 {
     double shift = REAL_BITS == 32 ? 0x1.8p30 : 0x1.8p2;
     return a + shift - shift;
@@ -100,15 +102,15 @@ void closest_weights(const struct closest *r, int kind, real c[4])
 {
     double s, t, w[4];
     if (kind == 0) {
-        s = quantum(-r->c[2]);
-        t = quantum(-r->c[3]);
+        s = round_to_quantum(-r->c[2]);
+        t = round_to_quantum(-r->c[3]);
         t = t < 1 - s ? t : 1 - s;
         w[0] = 1;
         w[1] = -(1 - s - t);
         w[2] = -s;
     } else {
-        s = quantum(r->c[1]);
-        t = quantum(-r->c[3]);
+        s = round_to_quantum(r->c[1]);
+        t = round_to_quantum(-r->c[3]);
         w[0] = 1 - s;
         w[1] = s;
         w[2] = -(1 - t);
@@ -173,8 +175,8 @@ static bool is_at(const struct closest_point *f, const int32_t opposite[2])
 }
 
 /* The place of vertex y relative to the closest point's first vertex. */
-static struct wide beside(const struct places *s, const struct closest_point *f,
-                          int32_t y)
+static struct wide place_beside(const struct places *s,
+                                const struct closest_point *f, int32_t y)
 {
     return wide_sub(place_of(s, y), place_of(s, f->v[0]));
 }
@@ -183,7 +185,7 @@ static struct wide beside(const struct places *s, const struct closest_point *f,
 static bool comes_nearer(const struct places *s, const struct closest_point *f,
                          int32_t y, double least)
 {
-    struct wide d = closest_lift(wide_sub(beside(s, f, y), f->at));
+    struct wide d = closest_lift(wide_sub(place_beside(s, f, y), f->at));
     double along = wide_dot(f->p, d);
     return along > 0 &&
            along * along > least * (wide_dot(f->p, f->p) * wide_dot(d, d));
@@ -216,8 +218,8 @@ bool closest_point_normal(const struct places *s,
     bool found = false;
     for (int32_t k = one_rings->start[i]; k < one_rings->start[i + 1]; k++) {
         const int32_t *opposite = one_rings->opposite[k];
-        struct wide d = closest_lift(beside(s, f, opposite[0]));
-        struct wide e = closest_lift(beside(s, f, opposite[1]));
+        struct wide d = closest_lift(place_beside(s, f, opposite[0]));
+        struct wide e = closest_lift(place_beside(s, f, opposite[1]));
         struct wide m = closest_lift(wide_cross(d, e));
         double along = wide_dot(m, f->p), mm = wide_dot(m, m);
         if (!is_at(f, opposite) || !(along * along > most * mm))

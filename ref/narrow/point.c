@@ -53,8 +53,8 @@ static int sign_fraction(struct big_arena *m, const struct poly *f,
 }
 
 /* Returns sign · (v0·v1 - v2·v3), computed with m->keep words. */
-static struct approx det(struct big_arena *m, int sign,
-                         const struct approx v[4])
+static struct approx signed_determinant(struct big_arena *m, int sign,
+                                        const struct approx v[4])
 {
     int mark = m->used;
     struct approx x = approx_mul(m, v[0], v[1]), y = approx_mul(m, v[2], v[3]);
@@ -65,8 +65,8 @@ static struct approx det(struct big_arena *m, int sign,
 
 /* Writes g, of degree at most 2: a positive multiple of f modulo the quadratic
  * a τ² + b τ + c. */
-static void lower(struct big_arena *m, const struct poly *f,
-                  const struct approx q[3], struct approx g[3])
+static void lower_degree(struct big_arena *m, const struct poly *f,
+                         const struct approx q[3], struct approx g[3])
 {
     struct approx c = q[0], b = q[1], a = q[2];
     int s = a.m.sign;
@@ -77,8 +77,8 @@ static void lower(struct big_arena *m, const struct poly *f,
     if (f->degree < 3 || f->c[3].sign == 0)
         return;
     struct approx lead = approx_of(m, f->c[3]);
-    g[2] = det(m, s, (struct approx[4]){g[2], a, lead, b});
-    g[1] = det(m, s, (struct approx[4]){g[1], a, lead, c});
+    g[2] = signed_determinant(m, s, (struct approx[4]){g[2], a, lead, b});
+    g[1] = signed_determinant(m, s, (struct approx[4]){g[1], a, lead, c});
     g[0] = approx_mul(m, g[0], a);
     g[0] = s < 0 ? approx_negate(g[0]) : g[0];
 }
@@ -86,37 +86,39 @@ static void lower(struct big_arena *m, const struct poly *f,
 /* Writes l[1]·τ + l[0], a positive multiple of g modulo the quadratic q.
  * Returns the sign of the resultant of the two, which is negative where
  * -l[0]/l[1] lies between the roots of q. */
-static int reduce(struct big_arena *m, const struct approx g[3],
-                  const struct approx q[3], struct approx l[2])
+static int reduce_to_linear(struct big_arena *m, const struct approx g[3],
+                            const struct approx q[3], struct approx l[2])
 {
     struct approx c = q[0], b = q[1], a = q[2], r;
     int s = a.m.sign;
-    struct approx x = det(m, 1, (struct approx[4]){b, g[0], c, g[1]});
+    struct approx x =
+        signed_determinant(m, 1, (struct approx[4]){b, g[0], c, g[1]});
     bool linear = approx_sign(g[2]) == 0;
     l[0] = g[0];
     l[1] = g[1];
     if (!linear) {
-        l[1] = det(m, s, (struct approx[4]){g[1], a, g[2], b});
-        l[0] = det(m, s, (struct approx[4]){g[0], a, g[2], c});
+        l[1] = signed_determinant(m, s, (struct approx[4]){g[1], a, g[2], b});
+        l[0] = signed_determinant(m, s, (struct approx[4]){g[0], a, g[2], c});
         x = s < 0 ? approx_negate(x) : x;
     }
     r = linear ? approx_mul(m, a, l[0]) : l[0];
-    r = det(m, linear ? s : 1, (struct approx[4]){r, l[0], x, l[1]});
+    r = signed_determinant(m, linear ? s : 1,
+                           (struct approx[4]){r, l[0], x, l[1]});
     return approx_decide(m, r);
 }
 
 /* Returns the sign of b l1 - 2 a l0 for the quadratic a τ² + b τ + c. */
-static int slope(struct big_arena *m, const struct approx q[3],
-                 const struct approx l[2])
+static int slope_sign(struct big_arena *m, const struct approx q[3],
+                      const struct approx l[2])
 {
     struct approx b = approx_few(q[1]), a = approx_few(q[2]);
     struct approx two = approx_times(m, l[0], 2);
-    int sign = approx_sign(
-        det(m, 1, (struct approx[4]){b, approx_few(l[1]), a, approx_few(two)}));
+    int sign = approx_sign(signed_determinant(
+        m, 1, (struct approx[4]){b, approx_few(l[1]), a, approx_few(two)}));
     if (sign != APPROX_UNKNOWN)
         return sign;
-    return approx_decide(m,
-                         det(m, 1, (struct approx[4]){q[1], l[1], q[2], two}));
+    return approx_decide(
+        m, signed_determinant(m, 1, (struct approx[4]){q[1], l[1], q[2], two}));
 }
 
 /* Finds the signs of f at the two real roots of a quadratic (§6.3). */
@@ -126,15 +128,15 @@ static void sign_surd(struct big_arena *m, const struct poly *f,
     struct approx l[2], q[3], g[3];
     for (int i = 0; i < 3; i++)
         q[i] = approx_of(m, of->c[i]);
-    lower(m, f, q, g);
-    int z = reduce(m, g, q, l), sign = approx_decide(m, l[1]), w = 0;
+    lower_degree(m, f, q, g);
+    int z = reduce_to_linear(m, g, q, l), sign = approx_decide(m, l[1]), w = 0;
     int lead = of->c[2].sign;
     out[0] = out[1] = sign ? sign : approx_sign(l[0]);
     if (sign == 0 || sign == APPROX_UNKNOWN)
         return;
     if (z == 0 || z == 1) /* the side of the roots' midpoint on which -l0/l1
                              lies */
-        w = slope(m, q, l);
+        w = slope_sign(m, q, l);
     for (int which = 0; which < 2; which++) {
         int past; /* sign of (root + l0/l1) */
         if (z < 0)
@@ -170,7 +172,8 @@ int poly_discriminant(struct big_arena *m, const struct big c[3])
     for (m->keep = APPROX_FEW; sign == APPROX_UNKNOWN; m->keep *= 2) {
         struct approx a = approx_times(m, approx_of(m, c[2]), 4);
         struct approx b = approx_of(m, c[1]), d = approx_of(m, c[0]);
-        sign = approx_decide(m, det(m, 1, (struct approx[4]){b, b, a, d}));
+        sign = approx_decide(
+            m, signed_determinant(m, 1, (struct approx[4]){b, b, a, d}));
         m->used = mark;
     }
     return sign;

@@ -23,7 +23,8 @@ static int common_exponent(double x[2][4][3])
 }
 
 /* Returns vertex a minus vertex b. */
-static struct line edge(struct big_arena *m, struct line p[4], int a, int b)
+static struct line subtract_vertices(struct big_arena *m, struct line p[4],
+                                     int a, int b)
 {
     struct line r;
     for (int i = 0; i < 6; i++)
@@ -33,8 +34,8 @@ static struct line edge(struct big_arena *m, struct line p[4], int a, int b)
 }
 
 /* Returns component k of f × g. */
-static struct poly cross(struct big_arena *m, const struct line *f,
-                         const struct line *g, int k)
+static struct poly cross_component(struct big_arena *m, const struct line *f,
+                                   const struct line *g, int k)
 {
     struct poly p = {2, {{NULL, 0, 0}}};
     int i = k == 2 ? 0 : k + 1, j = 3 - k - i;
@@ -50,8 +51,8 @@ static struct poly cross(struct big_arena *m, const struct line *f,
 }
 
 /* Returns a - b; both have the same degree. */
-static struct poly minus(struct big_arena *m, const struct poly *a,
-                         const struct poly *b)
+static struct poly subtract_polys(struct big_arena *m, const struct poly *a,
+                                  const struct poly *b)
 {
     struct poly p = {a->degree, {{NULL, 0, 0}}};
     for (int i = 0; i <= a->degree; i++)
@@ -60,8 +61,8 @@ static struct poly minus(struct big_arena *m, const struct poly *a,
 }
 
 /* Returns a + b; both have the same degree. */
-static struct poly plus(struct big_arena *m, const struct poly *a,
-                        const struct poly *b)
+static struct poly add_polys(struct big_arena *m, const struct poly *a,
+                             const struct poly *b)
 {
     struct poly p = {a->degree, {{NULL, 0, 0}}};
     for (int i = 0; i <= a->degree; i++)
@@ -70,8 +71,8 @@ static struct poly plus(struct big_arena *m, const struct poly *a,
 }
 
 /* Returns f · w. */
-static struct poly dot(struct big_arena *m, const struct line *f,
-                       const struct poly w[3])
+static struct poly dot_polys(struct big_arena *m, const struct line *f,
+                             const struct poly w[3])
 {
     struct poly p = {3, {{NULL, 0, 0}}};
     for (int n = 0; n <= 3; n++) {
@@ -98,38 +99,41 @@ static void make_vf(struct big_arena *m, struct line p[4], struct system *s)
     struct line f[3];
     s->count = 3;
     for (int j = 0; j < 3; j++) {
-        f[j] = edge(m, p, j + 1, 0);
+        f[j] = subtract_vertices(m, p, j + 1, 0);
         set_box(s, j, &f[j]);
     }
     for (int k = 0; k < 3; k++) {
         for (int j = 0; j < 3; j++)
-            s->q[j][k] = cross(m, &f[(j + 1) % 3], &f[(j + 2) % 3], k);
+            s->q[j][k] =
+                cross_component(m, &f[(j + 1) % 3], &f[(j + 2) % 3], k);
     }
     for (int k = 0; k < 3; k++) {
-        struct poly q = plus(m, &s->q[0][k], &s->q[1][k]);
-        s->n[k] = plus(m, &q, &s->q[2][k]);
+        struct poly q = add_polys(m, &s->q[0][k], &s->q[1][k]);
+        s->n[k] = add_polys(m, &q, &s->q[2][k]);
     }
     struct poly w[3] = {s->q[0][0], s->q[0][1], s->q[0][2]};
-    s->v = dot(m, &f[0], w);
+    s->v = dot_polys(m, &f[0], w);
 }
 
 static void make_ee(struct big_arena *m, struct line p[4], struct system *s)
 {
     static const int ends[4][2] = {{2, 0}, {3, 0}, {2, 1}, {3, 1}};
-    struct line f[3] = {edge(m, p, 2, 0), edge(m, p, 1, 0), edge(m, p, 3, 2)};
+    struct line f[3] = {subtract_vertices(m, p, 2, 0),
+                        subtract_vertices(m, p, 1, 0),
+                        subtract_vertices(m, p, 3, 2)};
     s->count = 4;
     for (int j = 0; j < 4; j++) {
-        struct line e = edge(m, p, ends[j][0], ends[j][1]);
+        struct line e = subtract_vertices(m, p, ends[j][0], ends[j][1]);
         set_box(s, j, &e);
     }
     for (int k = 0; k < 3; k++) {
-        s->n[k] = cross(m, &f[1], &f[2], k);
-        s->q[0][k] = cross(m, &f[0], &f[2], k);
-        s->q[1][k] = minus(m, &s->n[k], &s->q[0][k]);
-        s->q[2][k] = cross(m, &f[0], &f[1], k);
-        s->q[3][k] = minus(m, &s->n[k], &s->q[2][k]);
+        s->n[k] = cross_component(m, &f[1], &f[2], k);
+        s->q[0][k] = cross_component(m, &f[0], &f[2], k);
+        s->q[1][k] = subtract_polys(m, &s->n[k], &s->q[0][k]);
+        s->q[2][k] = cross_component(m, &f[0], &f[1], k);
+        s->q[3][k] = subtract_polys(m, &s->n[k], &s->q[2][k]);
     }
-    s->v = dot(m, &f[0], s->n);
+    s->v = dot_polys(m, &f[0], s->n);
 }
 
 void system_make(struct big_arena *m, double x[2][4][3], int kind,

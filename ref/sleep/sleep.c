@@ -12,7 +12,7 @@
  * step, and in all. */
 static const double DRIFT = 1e-3, SWAY = 0.25;
 
-static int bodies(const struct world *w)
+static int count_bodies(const struct world *w)
 {
     return w->def.n_cloths + w->def.n_obstacles;
 }
@@ -33,9 +33,9 @@ int sleep_make(struct world *w)
     s->rest = arena_take(a, ARENA_STATE, n, sizeof *s->rest);
     s->was = arena_take(a, ARENA_STATE, n, sizeof *s->was);
     s->held = arena_take(a, ARENA_OTHER, n, sizeof *s->held);
-    s->most = arena_take(a, ARENA_OTHER, bodies(w), sizeof *s->most);
+    s->most = arena_take(a, ARENA_OTHER, count_bodies(w), sizeof *s->most);
     s->of = arena_take(a, ARENA_OTHER, n, sizeof *s->of);
-    s->flag = arena_take(a, ARENA_OTHER, bodies(w), 1);
+    s->flag = arena_take(a, ARENA_OTHER, count_bodies(w), 1);
     return a->failed ? DRAPE_ENOMEM : DRAPE_OK;
 }
 
@@ -87,7 +87,7 @@ void sleep_undo(struct world *w)
 
 /* §2: what is held. */
 
-static void *take(struct world *w, void *had, int64_t n, size_t size)
+static void *take_stream(struct world *w, void *had, int64_t n, size_t size)
 {
     return had ? had : w->run->take(w->on, ARENA_STATE, n, size);
 }
@@ -97,12 +97,12 @@ static int take_streams(struct world *w)
 {
     struct sleep *s = w->sleep;
     if (w->def.n_cloths > 1)
-        s->label = take(w, s->label, w->def.n_cloths, sizeof *s->label);
+        s->label = take_stream(w, s->label, w->def.n_cloths, sizeof *s->label);
     if (w->plan.collides) {
-        s->mask = take(w, s->mask, w->nv, 1);
-        s->awake = take(w, s->awake, bodies(w), 1);
-        s->active = take(w, s->active, bodies(w), 1);
-        s->disturbed = take(w, s->disturbed, bodies(w), 1);
+        s->mask = take_stream(w, s->mask, w->nv, 1);
+        s->awake = take_stream(w, s->awake, count_bodies(w), 1);
+        s->active = take_stream(w, s->active, count_bodies(w), 1);
+        s->disturbed = take_stream(w, s->disturbed, count_bodies(w), 1);
     }
     return w->run->status(w->on);
 }
@@ -124,13 +124,13 @@ static void send_mask(struct world *w)
         s->flag[k] = sleep_awake(w, k);
     for (int k = 0; k < w->def.n_obstacles; k++)
         s->flag[w->def.n_cloths + k] = can_move(&w->prop[k]);
-    w->run->send(w->on, s->awake, s->flag, (size_t)bodies(w));
+    w->run->send(w->on, s->awake, s->flag, (size_t)count_bodies(w));
     w->run->wake_mask(w->on, w->nv, w->body, s->awake, s->mask);
     w->broad.awake = s->n > 0 ? s->mask : NULL;
 }
 
 /* Holds cloth k: its particles are as those of obstacles. */
-static void hold(struct world *w, int k)
+static void hold_cloth(struct world *w, int k)
 {
     const struct sheet *c = &w->sheet[k];
     int64_t first = c->first, n = c->cloth.count;
@@ -140,14 +140,14 @@ static void hold(struct world *w, int k)
     w->broad.made = false; /* its boxes are of a motion */
 }
 
-static void release(struct world *w, int k)
+static void release_cloth(struct world *w, int k)
 {
     sleep_weigh(w, k);
     w->sleep->held[k].on = w->sleep->held[k].known = false;
 }
 
 /* The end of a slice of a cloth that is held is its start. */
-static void stay(struct world *w, int k)
+static void keep_place(struct world *w, int k)
 {
     const struct sheet *c = &w->sheet[k];
     size_t bytes = (size_t)c->cloth.count * sizeof *w->x1;
@@ -167,7 +167,7 @@ static void weigh_energy(struct world *w, int k)
 
 /* Whether a step has to look who sleeps: someone does, is still held, has been
  * woken since the state was loaded, or may fall asleep in it. */
-static bool matters(const struct world *w)
+static bool is_needed(const struct world *w)
 {
     const struct sleep *s = w->sleep;
     bool any = s->n > 0 || w->lagrange.n_resting > 0;
@@ -181,7 +181,7 @@ int sleep_hold(struct world *w)
 {
     struct sleep *s = w->sleep;
     bool changed = s->n == 0 && w->lagrange.n_resting > 0;
-    if (!matters(w))
+    if (!is_needed(w))
         return DRAPE_OK;
     int status = take_streams(w);
     for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++) {
@@ -190,9 +190,9 @@ int sleep_hold(struct world *w)
             continue;
         changed = true;
         if (asleep)
-            hold(w, k);
+            hold_cloth(w, k);
         else
-            release(w, k);
+            release_cloth(w, k);
     }
     if (changed) {
         send_mask(w);
@@ -200,7 +200,7 @@ int sleep_hold(struct world *w)
     }
     for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++)
         if (!sleep_awake(w, k)) {
-            stay(w, k);
+            keep_place(w, k);
             weigh_energy(w, k);
         }
     return status == DRAPE_OK ? w->run->status(w->on) : status;
@@ -222,7 +222,7 @@ static int wake_marked(struct world *w)
             w->past = 0;
         *rest = (struct rest){0};
         s->n--;
-        release(w, k);
+        release_cloth(w, k);
         changed = true;
     }
     if (!changed)
@@ -232,7 +232,7 @@ static int wake_marked(struct world *w)
 }
 
 /* Marks in `of` the islands of cloths that are asleep and have a flag. */
-static void mark(struct world *w, const uint8_t *flag)
+static void mark_islands(struct world *w, const uint8_t *flag)
 {
     struct sleep *s = w->sleep;
     memset(s->of, 0, (size_t)w->def.n_cloths * sizeof *s->of);
@@ -265,15 +265,15 @@ int sleep_begin_slice(struct world *w)
         return DRAPE_OK;
     for (int k = 0; k < w->def.n_cloths; k++)
         s->flag[k] = s->rest[k].asleep && pins_move(w, k);
-    mark(w, s->flag);
+    mark_islands(w, s->flag);
     int status = wake_marked(w);
     for (int k = 0; k < w->def.n_cloths; k++)
         s->flag[k] = sleep_awake(w, k);
     for (int k = 0; k < w->def.n_obstacles; k++)
         s->flag[w->def.n_cloths + k] = obstacle_moves(w, &w->prop[k]);
     if (w->plan.collides) {
-        w->run->send(w->on, s->active, s->flag, (size_t)bodies(w));
-        w->run->clear(w->on, s->disturbed, (size_t)bodies(w));
+        w->run->send(w->on, s->active, s->flag, (size_t)count_bodies(w));
+        w->run->clear(w->on, s->disturbed, (size_t)count_bodies(w));
     }
     return status == DRAPE_OK ? w->run->status(w->on) : status;
 }
@@ -289,7 +289,7 @@ int sleep_notice(struct world *w)
     if (s->n == 0 || r.n == 0)
         return DRAPE_OK;
     w->run->wake_find(w->on, &r);
-    w->run->fetch(w->on, s->flag, s->disturbed, (size_t)bodies(w));
+    w->run->fetch(w->on, s->flag, s->disturbed, (size_t)count_bodies(w));
     int status = w->run->status(w->on);
     for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++)
         s->woken |= s->rest[k].asleep && s->flag[k];
@@ -298,7 +298,7 @@ int sleep_notice(struct world *w)
 
 int sleep_wake_disturbed(struct world *w)
 {
-    mark(w, w->sleep->flag);
+    mark_islands(w, w->sleep->flag);
     w->sleep->woken = false;
     return wake_marked(w);
 }
@@ -306,7 +306,7 @@ int sleep_wake_disturbed(struct world *w)
 /* §1: who falls asleep. */
 
 /* Finds how far the cloths are from where their anchors are, squared. */
-static void measure(struct world *w)
+static void measure_cloths(struct world *w)
 {
     struct sleep *s = w->sleep;
     int n = w->def.n_cloths;
@@ -318,7 +318,7 @@ static void measure(struct world *w)
 }
 
 /* Sets the anchors of cloths first … end - 1 where they are. */
-static void cast(struct world *w, int first, int end)
+static void set_anchors(struct world *w, int first, int end)
 {
     if (first == end)
         return;
@@ -407,14 +407,14 @@ void sleep_count(struct world *w, int outcome)
     for (int k = 0; k < n; k++)
         anchored |= sleep_awake(w, k) && s->rest[k].steps > 0;
     if (anchored)
-        measure(w);
+        measure_cloths(w);
     for (int k = 0; k < n; k++) {
         if (sleep_awake(w, k) && count_step(w, k, slice_failed(outcome)))
             continue;
-        cast(w, first, k);
+        set_anchors(w, first, k);
         first = k + 1;
     }
-    cast(w, first, n);
+    set_anchors(w, first, n);
     put_to_sleep(w);
 }
 

@@ -39,7 +39,7 @@ int joint_set_up(struct world *w, struct joint *a)
     return status;
 }
 
-static real dot(struct joint *a, const vec *x, const vec *y)
+static real dot_streams(struct joint *a, const vec *x, const vec *y)
 {
     struct dot d = {
         .n = a->nc, .a = x, .b = y, .n_chunks = a->n_chunks, .chunk = a->chunk};
@@ -48,7 +48,7 @@ static real dot(struct joint *a, const vec *x, const vec *y)
 }
 
 /* Sets q to M⁻¹ r, cloth by cloth, and returns r·q. */
-static real precondition(struct world *w, struct joint *a)
+static real apply_preconditioner(struct world *w, struct joint *a)
 {
     for (int k = 0; k < w->def.n_cloths; k++) {
         struct pcg p = part_of(&w->sheet[k], a);
@@ -64,12 +64,12 @@ static real precondition(struct world *w, struct joint *a)
                        ? p.s[i]
                        : factor_solve(p.factor[i], p.r[i]);
     }
-    return dot(a, a->r, a->q);
+    return dot_streams(a, a->r, a->q);
 }
 
 /* y = A x, or (A + single) x, 0 where fixed. */
-static void multiply(struct world *w, const struct joint *a, bool with_singles,
-                     const vec *x, vec *y)
+static void multiply_matrix(struct world *w, const struct joint *a,
+                            bool with_singles, const vec *x, vec *y)
 {
     for (int k = 0; k < w->def.n_cloths; k++) {
         const struct sheet *s = &w->sheet[k];
@@ -107,13 +107,13 @@ static void add_links(struct joint *a, const vec *x, vec *y)
 /* Sets q to (A + single + C) p and returns p·q. */
 static real curvature_of(struct world *w, struct joint *a)
 {
-    multiply(w, a, true, a->p, a->q);
+    multiply_matrix(w, a, true, a->p, a->q);
     add_links(a, a->p, a->q);
-    return dot(a, a->p, a->q);
+    return dot_streams(a, a->p, a->q);
 }
 
 /* dv += α p, r -= α q; where α is 0 p may not be finite. */
-static void move(struct joint *a, real alpha)
+static void move_solution(struct joint *a, real alpha)
 {
     int64_t n = alpha != 0 ? a->nc : 0;
     EACH_ITEM
@@ -126,7 +126,7 @@ static void move(struct joint *a, real alpha)
 
 /* p = M⁻¹ r + β p, and a step along p; the first direction has before = 0.
  * False if the matrix is not positive definite along p. */
-static bool step(struct world *w, struct joint *a, real next, real before)
+static bool step_along(struct world *w, struct joint *a, real next, real before)
 {
     real beta = before > 0 ? next / before : 0;
     EACH_ITEM
@@ -135,7 +135,7 @@ static bool step(struct world *w, struct joint *a, real next, real before)
     real curvature = curvature_of(w, a);
     if (!pcg_positive(curvature))
         return false;
-    move(a, next / curvature);
+    move_solution(a, next / curvature);
     return true;
 }
 
@@ -153,19 +153,19 @@ static void take_residual(struct joint *a, const vec *b)
 int joint_measure(struct world *w, struct joint *a, const vec *r, real *value)
 {
     take_residual(a, r);
-    *value = precondition(w, a);
+    *value = apply_preconditioner(w, a);
     return DRAPE_OK;
 }
 
-static int iterate(struct world *w, struct joint *a)
+static int iterate_gradients(struct world *w, struct joint *a)
 {
     real before = 0, first = 0;
     while (a->iterations < a->max_iterations) {
-        real next = precondition(w, a);
+        real next = apply_preconditioner(w, a);
         first = a->iterations == 0 ? next : first;
         if (next == 0 || real_sqrt(next / first) <= a->tolerance)
             return PCG_CONVERGED;
-        if (!pcg_positive(next) || !step(w, a, next, before))
+        if (!pcg_positive(next) || !step_along(w, a, next, before))
             return PCG_BREAKDOWN;
         before = next;
     }
@@ -174,7 +174,7 @@ static int iterate(struct world *w, struct joint *a)
 
 /* §3.2: a last step along M⁻¹ r, which the test of the tolerance has left in
  * q. */
-static void improve(const struct world *w, struct joint *a)
+static void improve_solution(const struct world *w, struct joint *a)
 {
     bool jacobi = w->sheet[0].solver.pcg.precond == DRAPE_JACOBI;
     real part = jacobi ? LAST_PART : 1;
@@ -187,9 +187,9 @@ int joint_solve(struct world *w, struct joint *a)
 {
     a->iterations = 0;
     take_residual(a, a->b);
-    a->outcome = iterate(w, a);
+    a->outcome = iterate_gradients(w, a);
     if (a->outcome == PCG_CONVERGED && a->iterations > 0)
-        improve(w, a);
-    multiply(w, a, false, a->dv, a->q);
+        improve_solution(w, a);
+    multiply_matrix(w, a, false, a->dv, a->q);
     return DRAPE_OK;
 }

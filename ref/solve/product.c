@@ -14,7 +14,7 @@ struct edges {
 };
 
 /* §1: B (x_p - x_q) for particle p = i of the row, q = p + step. */
-static inline vec pull(struct edges b, int32_t i, const vec *x, int64_t step)
+static inline vec pull_of(struct edges b, int32_t i, const vec *x, int64_t step)
 {
     vec d = vec_sub(x[i], x[i + step]);
     return b.packed ? packed_apply(b.packed[i], d) : sym_apply(b.block[i], d);
@@ -27,7 +27,7 @@ static void pull_both(int32_t n, struct edges b, const vec *restrict x,
                       int64_t step, vec *restrict y)
 {
     for (int32_t i = 0; i < n; i++) {
-        vec f = pull(b, i, x, step);
+        vec f = pull_of(b, i, x, step);
         y[i] = vec_add(y[i], f);
         y[i + step] = vec_sub(y[i + step], f);
     }
@@ -37,14 +37,14 @@ static void pull_first(int32_t n, struct edges b, const vec *restrict x,
                        int64_t step, vec *restrict y)
 {
     for (int32_t i = 0; i < n; i++)
-        y[i] = vec_add(y[i], pull(b, i, x, step));
+        y[i] = vec_add(y[i], pull_of(b, i, x, step));
 }
 
 static void pull_second(int32_t n, struct edges b, const vec *restrict x,
                         int64_t step, vec *restrict y)
 {
     for (int32_t i = 0; i < n; i++)
-        y[i + step] = vec_sub(y[i + step], pull(b, i, x, step));
+        y[i + step] = vec_sub(y[i + step], pull_of(b, i, x, step));
 }
 
 /* Adds the terms of the springs of direction o that start in row j, at those

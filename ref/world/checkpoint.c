@@ -131,8 +131,8 @@ uint64_t checkpoint_fingerprint(const drape_def *d, uint64_t *print)
 /* Lists the streams that are part of the state: the next step reads them. A
  * stream that the scene does not have has 0 bytes. */
 enum { PLACE, SPEED, WATCH, REST, STREAMS = 7 };
-static void streams(const struct world *w, void *stream[STREAMS],
-                    size_t bytes[STREAMS])
+static void list_streams(const struct world *w, void *stream[STREAMS],
+                         size_t bytes[STREAMS])
 {
     size_t n = (size_t)w->nv * sizeof(vec);
     size_t past = w->past_x ? (size_t)w->nc * sizeof(vec) : 0;
@@ -235,7 +235,7 @@ int checkpoint_save(const struct world *w, drape_write *write, void *user)
         add_part(&p, &n, &c, sizeof c);
         add_part(&p, &n, pack, (size_t)c.bytes);
     }
-    streams(w, stream, bytes);
+    list_streams(w, stream, bytes);
     for (int k = 0; k < STREAMS; k++)
         add_part(&p, &n, stream[k], bytes[k]);
     add_part(&p, &n, kept, (size_t)h.kept * sizeof *kept);
@@ -247,7 +247,7 @@ int checkpoint_save(const struct world *w, drape_write *write, void *user)
     return status;
 }
 
-static bool matches(const struct world *w, const struct header *h)
+static bool is_matching(const struct world *w, const struct header *h)
 {
     bool known = !memcmp(h->magic, magic, sizeof magic) ||
                  !memcmp(h->magic, changed, sizeof changed);
@@ -260,7 +260,7 @@ static bool matches(const struct world *w, const struct header *h)
  * value that the steps of this world can give it. */
 
 /* The level of the shortest slices of a step. */
-static int deepest(const struct world *w)
+static int deepest_level(const struct world *w)
 {
     int level = 0;
     while (2 << level <= w->def.max_slices)
@@ -287,7 +287,7 @@ static bool good_last(const struct world *w, const struct header *h)
 {
     int64_t pairs = w->plan.collides ? w->nt * (w->nt - 1) / 2 : 0;
     uint32_t most = w->plan.collides ? NEAR_CONTACTS : NEAR_NONE;
-    int past = w->past_x ? 1 + deepest(w) : 0;
+    int past = w->past_x ? 1 + deepest_level(w) : 0;
     return h->intersecting >= 0 && h->intersecting <= pairs &&
            h->nearness <= most && h->past <= (uint32_t)past &&
            (h->kept == 0 || w->plan.solves);
@@ -327,7 +327,7 @@ static bool good_watch(const uint8_t *at, size_t bytes)
 static bool good_rests(const struct world *w, const uint8_t *at, size_t bytes)
 {
     int32_t n = (int32_t)(bytes / sizeof(struct rest));
-    int past = w->past_x ? 1 + deepest(w) : 0;
+    int past = w->past_x ? 1 + deepest_level(w) : 0;
     int steps = w->def.sleep ? SLEEP_MOST : 0, asleep = w->def.sleep ? 1 : 0;
     for (struct rest r; bytes > 0; bytes -= sizeof r, at += sizeof r) {
         memcpy(&r, at, sizeof r);
@@ -359,7 +359,7 @@ struct read {
     uint8_t *aside;    /* the streams */
     struct kept *kept; /* [h.kept] */
     struct kept *part; /* [h.kept], of kept_room */
-    vec *to;           /* [nv]; NULL: no target is told */
+    vec *to;           /* [nv]; NULL: no target is set */
     size_t bytes[STREAMS];
     void *stream[STREAMS];
 };
@@ -491,7 +491,7 @@ static int read_all(struct world *w, drape_read_bytes *read, void *user,
 {
     if (read(user, &r->h, sizeof r->h))
         return DRAPE_EIO;
-    if (!matches(w, &r->h) || r->h.kept < 0 || r->h.kept > MOST_KEPT)
+    if (!is_matching(w, &r->h) || r->h.kept < 0 || r->h.kept > MOST_KEPT)
         return DRAPE_EMATCH;
     uint64_t want = r->h.check, check = check_header(&r->h);
     int status = read_changes(w, read, user, r, &check);
@@ -502,7 +502,7 @@ static int read_all(struct world *w, drape_read_bytes *read, void *user,
     return status == DRAPE_OK && !good_read(w, r) ? DRAPE_EDATA : status;
 }
 
-static int apply(struct world *w, const struct read *r)
+static int apply_checkpoint(struct world *w, const struct read *r)
 {
     const struct header *h = &r->h;
     size_t at = 0;
@@ -528,7 +528,7 @@ static int apply(struct world *w, const struct read *r)
 int checkpoint_load(struct world *w, drape_read_bytes *read, void *user)
 {
     struct read r = {.pack = NULL};
-    streams(w, r.stream, r.bytes);
+    list_streams(w, r.stream, r.bytes);
     w->run->begin(w->on);
     int status = read_all(w, read, user, &r);
     if (status == DRAPE_OK && plan_windy(&r.h.wind))
@@ -539,7 +539,7 @@ int checkpoint_load(struct world *w, drape_read_bytes *read, void *user)
         status = control_unpack(w, r.pack, r.c.bytes, r.to,
                                 (const vec *)(const void *)r.aside);
     if (status == DRAPE_OK)
-        status = apply(w, &r);
+        status = apply_checkpoint(w, &r);
     arena_give(w->arena, r.pack);
     arena_give(w->arena, r.aside);
     arena_give(w->arena, r.kept);

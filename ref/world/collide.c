@@ -106,7 +106,7 @@ static void count_contacts(const struct response *c, drape_step_report *r)
     r->work.narrow = c->narrow;
 }
 
-static int start(struct world *w)
+static int start_contacts(struct world *w)
 {
     struct response *c = &w->response;
     c->x0 = w->x0;
@@ -122,9 +122,9 @@ static int start(struct world *w)
 
 /* §3.1: the pairs that are close at the start of the slice are pushed apart:
  * within the solve of all cloths, or by themselves. */
-static int repel(struct world *w)
+static int repel_pairs(struct world *w)
 {
-    int status = start(w);
+    int status = start_contacts(w);
     if (status == DRAPE_OK)
         status = find_near(w, w->x0, w->response.range * w->reach);
     struct pairs close = {w->broad.n, w->broad.pair.data, w->broad.kind.data};
@@ -164,7 +164,7 @@ int collide(struct world *w, drape_step_report *r, double *last)
     bool alone;
     int status = test_alone(w, &alone);
     if (status == DRAPE_OK && !alone)
-        status = repel(w);
+        status = repel_pairs(w);
     charge_contact(w, r, DRAPE_PART_PROXIMITY, last);
     w->met = !alone;
     if (status != DRAPE_OK || alone || w->sleep->woken)

@@ -7,7 +7,8 @@
 #include "ref/contact/unknowns.h"
 #include "ref/world/collide.h"
 
-static void *take(struct world *w, enum arena_part part, int64_t n, size_t size)
+static void *take_stream(struct world *w, enum arena_part part, int64_t n,
+                         size_t size)
 {
     return arena_take(w->arena, part, n, size);
 }
@@ -27,20 +28,20 @@ static int make_dynamics(struct world *w, struct sheet *s, const drape_def *def)
         solver_size(&s->solver.pcg, def, c);
         return DRAPE_OK; /* the device has the streams */
     }
-    d->work = take(w, ARENA_SOLVER, dynamics_vecs(d->method) * c->count,
-                   sizeof *d->work);
-    d->chunk =
-        take(w, ARENA_SOLVER, 3 * sum_chunks(c->count), sizeof *d->chunk);
+    d->work = take_stream(w, ARENA_SOLVER, dynamics_vecs(d->method) * c->count,
+                          sizeof *d->work);
+    d->chunk = take_stream(w, ARENA_SOLVER, 3 * sum_chunks(c->count),
+                           sizeof *d->chunk);
     if (w->arena->failed)
         return DRAPE_ENOMEM;
     if (!w->plan.implicit)
         return DRAPE_OK;
     int64_t springs = SPRINGS * c->count;
-    d->block = take(w, ARENA_SOLVER, springs, sizeof *d->block);
+    d->block = take_stream(w, ARENA_SOLVER, springs, sizeof *d->block);
     if (def->precond == DRAPE_MULTIGRID)
-        d->packed = take(w, ARENA_SOLVER, springs, sizeof *d->packed);
+        d->packed = take_stream(w, ARENA_SOLVER, springs, sizeof *d->packed);
     if (d->newton > 1)
-        d->kept = take(w, ARENA_SOLVER, 2 * c->count, sizeof *d->kept);
+        d->kept = take_stream(w, ARENA_SOLVER, 2 * c->count, sizeof *d->kept);
     d->solve = solver_solve;
     d->solver = &s->solver;
     return !w->arena->failed ? solver_make(&s->solver, def, c, w->arena)
@@ -50,7 +51,7 @@ static int make_dynamics(struct world *w, struct sheet *s, const drape_def *def)
 static int make_broad(struct world *w, const drape_def *def)
 {
     int bodies = def->n_cloths + def->n_obstacles;
-    struct tree_mesh *mesh = take(w, ARENA_TREE, bodies, sizeof *mesh);
+    struct tree_mesh *mesh = take_stream(w, ARENA_TREE, bodies, sizeof *mesh);
     if (!mesh)
         return DRAPE_ENOMEM;
     for (int k = 0; k < bodies; k++) {
@@ -105,11 +106,11 @@ static int make_response(struct world *w, const drape_def *def)
     c->user = w;
     if (w->def.backend != DRAPE_REF)
         return DRAPE_OK; /* the device has the streams */
-    c->u = take(w, ARENA_RESPONSE, w->nv, sizeof *c->u);
-    c->touched = take(w, ARENA_RESPONSE, w->nv, 1);
-    c->rolled = take(w, ARENA_RESPONSE, w->nv, 1);
-    c->start = take(w, ARENA_RESPONSE, w->nv + 1, sizeof *c->start);
-    c->first = take(w, ARENA_RESPONSE, w->nv, sizeof *c->first);
+    c->u = take_stream(w, ARENA_RESPONSE, w->nv, sizeof *c->u);
+    c->touched = take_stream(w, ARENA_RESPONSE, w->nv, 1);
+    c->rolled = take_stream(w, ARENA_RESPONSE, w->nv, 1);
+    c->start = take_stream(w, ARENA_RESPONSE, w->nv + 1, sizeof *c->start);
+    c->first = take_stream(w, ARENA_RESPONSE, w->nv, sizeof *c->first);
     if (w->arena->failed)
         return DRAPE_ENOMEM;
     return w->plan.solves ? unknowns_make(w) : DRAPE_OK;

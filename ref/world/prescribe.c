@@ -23,7 +23,7 @@ void prescribe_frame(struct prop *p, double t)
 }
 
 /* control.md §3: writes to x the places of n items of which `from` is the first
- * vertex, on their way to where the caller told them to be. */
+ * vertex, on their way to the caller's targets. */
 static void blend_targets(const struct world *w, int64_t first, int64_t n,
                           const int32_t *at, vec *x)
 {

@@ -31,7 +31,7 @@ bool prescribed_moves(const struct world *w)
     return false;
 }
 
-static real between(real a, real b, double part)
+static real interpolate(real a, real b, double part)
 {
     double from = (double)a;
     return (real)(from + part * ((double)b - from));
@@ -43,9 +43,9 @@ void prescribed_blend(const struct blend *s)
     for (int64_t i = 0; i < s->n; i++) {
         int64_t k = s->at ? s->at[i] : i;
         vec a = s->from[k], b = s->to[k];
-        s->x[i] = s->part < 1 ? vec_make(between(a.x, b.x, s->part),
-                                         between(a.y, b.y, s->part),
-                                         between(a.z, b.z, s->part))
+        s->x[i] = s->part < 1 ? vec_make(interpolate(a.x, b.x, s->part),
+                                         interpolate(a.y, b.y, s->part),
+                                         interpolate(a.z, b.z, s->part))
                               : b;
     }
 }

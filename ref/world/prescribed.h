@@ -16,7 +16,7 @@ bool prescribed_moves(const struct world *w);
  * n of x1. */
 bool prescribed_differs(int64_t n, const int32_t *at, const vec *x0,
                         const vec *x1);
-/* A part of the straight way of n items to where they are told to be. */
+/* A part of the straight way of n items to their targets. */
 struct blend {
     int64_t n;
     const int32_t *at;    /* [n] the vertex of each item; NULL: the item */

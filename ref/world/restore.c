@@ -6,7 +6,7 @@
 #include "ref/contact/carry.h"
 #include "ref/sleep/sleep.h"
 
-static vec *take(struct world *w, vec *had, int64_t n)
+static vec *take_stream(struct world *w, vec *had, int64_t n)
 {
     return had ? had : w->run->take(w->on, ARENA_STATE, n, sizeof *had);
 }
@@ -16,14 +16,14 @@ static vec *take(struct world *w, vec *had, int64_t n)
 static int take_start(struct world *w)
 {
     struct saved_state *s = &w->saved;
-    s->x = take(w, s->x, w->nv);
-    s->v = take(w, s->v, w->nv);
+    s->x = take_stream(w, s->x, w->nv);
+    s->v = take_stream(w, s->v, w->nv);
     if (w->past_x) {
-        s->past_x = take(w, s->past_x, w->nc);
-        s->past_v = take(w, s->past_v, w->nc);
+        s->past_x = take_stream(w, s->past_x, w->nc);
+        s->past_v = take_stream(w, s->past_v, w->nc);
     }
     if (w->anchor)
-        s->anchor = take(w, s->anchor, w->nc);
+        s->anchor = take_stream(w, s->anchor, w->nc);
     if (!s->watch)
         s->watch = arena_take(w->arena, ARENA_STATE, w->def.n_cloths,
                               sizeof *s->watch);
@@ -31,8 +31,8 @@ static int take_start(struct world *w)
 }
 
 /* Copies the streams of the state from one set to another. */
-static void copy(const struct world *w, struct saved_state *to,
-                 const struct saved_state *from)
+static void copy_state(const struct world *w, struct saved_state *to,
+                       const struct saved_state *from)
 {
     size_t n = (size_t)w->nv * sizeof(vec),
            cloths = (size_t)w->nc * sizeof(vec);
@@ -48,7 +48,7 @@ static void copy(const struct world *w, struct saved_state *to,
 }
 
 /* Returns the world's own streams of the state. */
-static struct saved_state now(const struct world *w)
+static struct saved_state current_state(const struct world *w)
 {
     return (struct saved_state){.x = w->x0,
                                 .v = w->v0,
@@ -75,11 +75,11 @@ static int copy_kept(const struct world *w, struct pool *to, int64_t *n_to,
 
 int restore_save(struct world *w)
 {
-    struct saved_state *s = &w->saved, from = now(w);
+    struct saved_state *s = &w->saved, from = current_state(w);
     int status = take_start(w);
     if (status != DRAPE_OK)
         return status;
-    copy(w, s, &from);
+    copy_state(w, s, &from);
     s->nearness = w->nearness;
     status = copy_kept(w, &s->kept, &s->n_kept, &w->lagrange.kept[0],
                        w->lagrange.n_kept[0]);
@@ -89,12 +89,12 @@ int restore_save(struct world *w)
 void restore_start(struct world *w)
 {
     const struct saved_state *s = &w->saved;
-    struct saved_state to = now(w);
+    struct saved_state to = current_state(w);
     w->run->begin(w->on); /* a recorded lack of memory would stop the copies */
     sleep_undo(w);
     if (w->slicing.done == 0)
         return; /* no slice was committed */
-    copy(w, &to, s);
+    copy_state(w, &to, s);
     w->nearness = s->nearness;
     /* where there is no room they are forgotten: contacts begin anew */
     copy_kept(w, &w->lagrange.kept[0], &w->lagrange.n_kept[0], &s->kept,

@@ -32,11 +32,11 @@ struct prop {
     struct pose *pose; /* in the memory of the backend; NULL: not yet */
 };
 
-/* Where the caller leads vertices. The streams are taken when they are first
+/* Where the caller moves vertices. The streams are taken when they are first
  * needed. spec/control/control.md §3 */
 struct targets {
     vec *from, *to; /* [nv] m, the start and the end of the next step */
-    bool armed;     /* a target was told since the last step */
+    bool armed;     /* a target was set since the last step */
     bool stirred;   /* a mesh of class TREE_STATIC moved in the last step */
     bool planned;   /* the definition moves something, and so plan.prescribed */
     bool able;      /* the broad phase's apart.able as it was made */
@@ -202,7 +202,8 @@ static inline enum nearness state_nearness(const struct response *c)
 /* Functions of ref/world/world.c that the device's world uses too. */
 int world_make(const drape_def *def, struct arena *arena, struct world **world,
                drape_error *error);
-/* The same for an heir, which may start in any state; NULL: it is none. */
+/* The same for an edited world, which may start in any state; NULL: it is none.
+ */
 int world_make_edited(const drape_def *def, const struct edited *edited,
                       struct arena *arena, struct world **world,
                       drape_error *error);

@@ -58,7 +58,7 @@ static void report_energy(drape_step_report *r, const double energy[3])
 
 /* Starts a step. Where all cloths are asleep and nothing is prescribed that is
  * all. */
-static void begin(struct world *w, struct step *s)
+static void begin_step(struct world *w, struct step *s)
 {
     w->run->begin(w->on);
     memset(s->all, 0, sizeof *s->all);
@@ -85,7 +85,7 @@ static bool has_slice_left(const struct world *w, const struct step *s)
            !(s->all->outcome & DRAPE_DIVERGED);
 }
 
-static void place(struct world *w, struct step *s)
+static void place_prescribed(struct world *w, struct step *s)
 {
     memset(&s->r, 0, sizeof s->r);
     s->again = false;
@@ -160,7 +160,7 @@ static int move_sheets(struct world *w, drape_step_report *r)
 
 /* §2: moves all cloths without contact. A slice that diverged is taken again if
  * that is allowed; else it ends the step. */
-static void move(struct world *w, struct step *s)
+static void move_cloths(struct world *w, struct step *s)
 {
     if (slice_continues(s))
         s->status = move_sheets(w, &s->r);
@@ -178,7 +178,7 @@ static void check_travel(struct world *w, struct step *s)
         s->status = collide_far(w, &s->r, &s->last, &s->again);
 }
 
-/* §3.3: positions were in range before. If one no longer is, contact prescribed
+/* §3.3: positions were in range before. If one no longer is, contact brought
  * it beyond, and the slice has diverged. */
 static void handle_contact(struct world *w, struct step *s)
 {
@@ -195,7 +195,7 @@ static void handle_contact(struct world *w, struct step *s)
 
 /* §6: what comes near a cloth that is asleep wakes it, and the slice is taken
  * again. */
-static void rouse(struct world *w, struct step *s)
+static void wake_disturbed(struct world *w, struct step *s)
 {
     if (s->status != DRAPE_OK || !w->sleep->woken)
         return;
@@ -204,7 +204,7 @@ static void rouse(struct world *w, struct step *s)
 }
 
 /* §3.4: in empty space nothing but gravity changes momentum. */
-static void conserve(struct world *w, struct step *s)
+static void conserve_slice(struct world *w, struct step *s)
 {
     if (slice_continues(s))
         s->status = conserve_momentum(w, s->r.outcome);
@@ -214,7 +214,7 @@ static void conserve(struct world *w, struct step *s)
  * dynamics computed are used if contact did not change the state; if contact
  * may have changed it they are computed again, but only if somebody reads them.
  */
-static void check(struct world *w, struct step *s)
+static void check_slice(struct world *w, struct step *s)
 {
     double after[3] = {0};
     bool anew = w->met && w->reported;
@@ -251,7 +251,7 @@ static void remember_run(struct world *w, int64_t first, int64_t n)
     w->run->history(w->on, &h);
 }
 
-static void remember(struct world *w)
+static void remember_state(struct world *w)
 {
     sleep_runs(w, remember_run);
     w->run->trace(w->on, w->tracing, "history", w->past_v,
@@ -260,10 +260,10 @@ static void remember(struct world *w)
 }
 
 /* §4: makes the end of the slice the state. */
-static void commit(struct world *w, int outcome)
+static void commit_slice(struct world *w, int outcome)
 {
     if (w->plan.history)
-        remember(w);
+        remember_state(w);
     w->nearness = state_nearness(&w->response);
     lagrange_commit(w);
     for (int k = 0; k < w->def.n_cloths; k++) {
@@ -284,7 +284,7 @@ static void commit(struct world *w, int outcome)
 /* Ends a slice: adds its report to the step's and commits it, unless it is
  * taken again or failed. If the step may still fail after its first slice, the
  * start of the step is kept before that slice is committed. */
-static void finish(struct world *w, struct step *s)
+static void finish_slice(struct world *w, struct step *s)
 {
     bool doubt = ending_doubtful(w, s->r.outcome);
     slice_report(s->all, &s->r, !s->again);
@@ -292,14 +292,14 @@ static void finish(struct world *w, struct step *s)
         (w->slicing.level > 0 || doubt))
         s->status = restore_save(w);
     if (slice_continues(s))
-        commit(w, s->r.outcome);
+        commit_slice(w, s->r.outcome);
 }
 
 /* Ends a step: counts intersecting pairs where that is needed (§11), restores
  * the start of the step if the step failed, and completes the report. The
  * energies of a step that failed or is asleep are those of the state it keeps.
  */
-static int end(struct world *w, struct step *s)
+static int end_step(struct world *w, struct step *s)
 {
     drape_step_report *r = s->all;
     double energy[3] = {0};
@@ -342,18 +342,18 @@ int step_advance(struct world *w, drape_step_report *report)
      * in the middle of this step. */
     if (!w->device)
         threads_begin(&threads, w->nv < SMALL_SCENE ? 1 : w->def.threads);
-    begin(w, &s); /* §6: sleep */
+    begin_step(w, &s); /* §6: sleep */
     while (has_slice_left(w, &s)) {
-        place(w, &s);          /* §1: kinematics.md */
-        move(w, &s);           /* §2: wind.md … dynamics.md, pcg.md */
-        check_travel(w, &s);   /* §7.2: travel.md */
-        handle_contact(w, &s); /* §3: refit.md … response.md */
-        rouse(w, &s);          /* §6: sleep.md */
-        conserve(w, &s);       /* §3.4: momentum.md */
-        check(w, &s);          /* §7.3: energy.md */
-        finish(w, &s);         /* step.md §4, §6, §7.4: implicit.md */
+        place_prescribed(w, &s); /* §1: kinematics.md */
+        move_cloths(w, &s);      /* §2: wind.md … dynamics.md, pcg.md */
+        check_travel(w, &s);     /* §7.2: travel.md */
+        handle_contact(w, &s);   /* §3: refit.md … response.md */
+        wake_disturbed(w, &s);   /* §6: sleep.md */
+        conserve_slice(w, &s);   /* §3.4: momentum.md */
+        check_slice(w, &s);      /* §7.3: energy.md */
+        finish_slice(w, &s);     /* step.md §4, §6, §7.4: implicit.md */
     }
-    int status = end(w, &s); /* step.md §11: audit.md */
+    int status = end_step(w, &s); /* step.md §11: audit.md */
     if (!w->device)
         threads_end(&threads);
     return status;

@@ -14,7 +14,8 @@
 #include "ref/world/state.h"
 #include "ref/world/step.h"
 
-/* The hashes of the bodies; those of an heir are known but for a new body. */
+/* The hashes of the bodies; those of an edited world are known but for a new
+ * body. */
 static int make_prints(struct world *w, const drape_def *def,
                        const struct edited *edited)
 {
@@ -101,7 +102,7 @@ int world_read(const struct world *w, double (*x)[3], double (*v)[3])
     return DRAPE_OK;
 }
 
-static int borrow(struct world *w, drape_view *view)
+static int borrow_streams(struct world *w, drape_view *view)
 {
     view->x = w->x0;
     view->v = w->v0;
@@ -134,4 +135,4 @@ const struct world_ops world_ops = {.make = world_make,
                                     .plan = plan_rows,
                                     .save = checkpoint_save,
                                     .load = checkpoint_load,
-                                    .borrow = borrow};
+                                    .borrow = borrow_streams};

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Prescribed motion in whole steps: prescribed vertices are where they are told
- * to be, and a sleeping scene wakes when something moves. spec/world/step.md
- * §1, §6 */
+/* Prescribed motion in whole steps: prescribed vertices are where they are
+ * prescribed to be, and a sleeping scene wakes when something moves.
+ * spec/world/step.md §1, §6 */
 #include "ref/broad/box.h"
 #include "tests/world/scene.h"
 #include "tests/world/slab.h"
 
 enum { SIDE = SLAB_SMALL, COUNT = SIDE * SIDE };
 
-/* kinematics.md §1: prescribed vertices are where they are told to be. The
- * first sheet has a hole, a fixed pin and a moving pin; a second sheet is
+/* kinematics.md §1: prescribed vertices are where they are prescribed to be.
+ * The first sheet has a hole, a fixed pin and a moving pin; a second sheet is
  * thrown at it. */
 static drape_world *make_pinned(struct slab *d, int integrator)
 {
