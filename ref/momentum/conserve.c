@@ -79,25 +79,24 @@ static void find_energies(struct world *w, struct tally *part)
     }
 }
 
-/* §2: finds the island of each cloth. */
-static int find_islands(struct world *w, int outcome)
+int conserve_find_islands(struct world *w, bool one, int32_t *label,
+                          int32_t *of)
 {
-    bool one = slice_failed(outcome); /* zones join what no contact tells */
-    struct conserve *c = &w->conserve;
     const struct response *r = &w->response;
+    int cloths = w->def.n_cloths;
     struct islands s = {.nv = w->nv,
                         .n = r->active,
-                        .body = r->surfaces.of,
+                        .body = w->body,
                         .contact = r->contact[r->side].data,
-                        .bodies = w->def.n_cloths,
-                        .label = c->label};
-    for (int k = 0; k < w->def.n_cloths; k++)
-        c->of[k] = one ? 0 : k;
-    if (!w->met || one || w->def.n_cloths == 1)
+                        .bodies = cloths,
+                        .label = label};
+    one |= cloths == 1;
+    for (int k = 0; k < cloths; k++)
+        of[k] = one ? 0 : k;
+    if (one || !w->met)
         return DRAPE_OK;
     int status = w->run->islands(w->on, &s);
-    w->run->fetch(w->on, c->of, c->label,
-                  (size_t)w->def.n_cloths * sizeof *c->of);
+    w->run->fetch(w->on, of, label, (size_t)cloths * sizeof *of);
     return status;
 }
 
@@ -160,8 +159,9 @@ int conserve_momentum(struct world *w, int outcome)
         status = measure_cloths(w, w->x0, w->v0, c->part);
     if (status == DRAPE_OK)
         status = measure_cloths(w, w->x1, w->v1, c->part + n);
+    bool one = slice_failed(outcome); /* zones join cloths without a contact */
     if (status == DRAPE_OK)
-        status = find_islands(w, outcome);
+        status = conserve_find_islands(w, one, c->label, c->of);
     if (status != DRAPE_OK)
         return status;
     find_energies(w, c->part);

@@ -2,10 +2,10 @@
 /* Which cloths are asleep, on either backend. spec/sleep/sleep.md */
 #include "ref/sleep/sleep.h"
 
+#include "ref/base/prescribed.h"
 #include "ref/contact/kept.h"
-#include "ref/momentum/momentum.h"
+#include "ref/momentum/conserve.h"
 #include "ref/sleep/wake.h"
-#include "ref/world/prescribed.h"
 #include "ref/world/slice.h"
 
 /* Of the largest thickness, §1: how far a cloth at rest goes in the mean of a
@@ -356,23 +356,8 @@ static bool may_sleep(const struct world *w, int k)
  * explicit integrator, whose contacts are not kept, all are one. */
 static int find_islands(struct world *w)
 {
-    struct sleep *s = w->sleep;
-    const struct response *r = &w->response;
-    struct islands m = {.nv = w->nv,
-                        .n = r->active,
-                        .body = w->body,
-                        .contact = r->contact[r->side].data,
-                        .bodies = w->def.n_cloths,
-                        .label = s->label};
-    bool one = w->def.n_cloths == 1 || !w->plan.implicit;
-    for (int k = 0; k < w->def.n_cloths; k++)
-        s->of[k] = one ? 0 : k;
-    if (one || !w->plan.collides || !w->met)
-        return DRAPE_OK;
-    int status = w->run->islands(w->on, &m);
-    w->run->fetch(w->on, s->of, s->label,
-                  (size_t)w->def.n_cloths * sizeof *s->of);
-    return status;
+    return conserve_find_islands(w, !w->plan.implicit, w->sleep->label,
+                                 w->sleep->of);
 }
 
 /* Puts the islands to sleep of which all cloths have rested long enough. */
