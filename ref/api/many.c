@@ -65,7 +65,7 @@ static void *take_turns(void *with)
 
 /* Advances the worlds of a part by threads, of which this one is one. The
  * others block all signals: they are for the threads of the host program. */
-static void by_threads(struct part *p)
+static void advance_by_threads(struct part *p)
 {
     pthread_t thread[MOST_THREADS];
     sigset_t all, before;
@@ -137,7 +137,7 @@ static void advance_like(struct part *p, int first, bool *done)
         done[k] = true;
     }
     if (place < 0 || p->n < 2 || !advance_together(p))
-        by_threads(p);
+        advance_by_threads(p);
 }
 
 /* Whether a world is listed twice; marks are left as they were. */

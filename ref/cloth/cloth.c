@@ -72,14 +72,14 @@ static void set_law(struct cloth *c, int o, double length, double stretch,
     double rest = two ? 2 * length : length;
     double fraction = c->triples ? !two : 0.5;
     double k = fraction * stretch * area / (rest * rest);
-    double press = two ? 4 * k : k; /* of the single springs along it */
+    double compression = two ? 4 * k : k; /* of the single springs along it */
     double b = two && !c->triples ? bend * area / (rest * rest * rest) : 0;
     double slope = LAW_STEEPEST * b / rest;
-    *a = (struct law){.k = (real)k, .press = (real)press};
+    *a = (struct law){.k = (real)k, .compression = (real)compression};
     a->rest = (real)rest;
     a->bend = (real)b;
     a->damp = (real)((double)c->beta * k);
-    a->stiff = (real)(slope > press ? slope : press);
+    a->stiff = (real)(slope > compression ? slope : compression);
     law_set_knee(a, two && !c->triples);
     law_set_limit(a, two ? 0 : limit);
 }
@@ -190,7 +190,7 @@ static double triple_constant_at(const struct cloth *c, int o, int64_t i,
 static double steepest_slope(const struct cloth *c, int o, bool limited)
 {
     const struct law *a = &c->law[o];
-    return (double)(limited || o >= SPRINGS_SINGLE ? a->stiff : a->press);
+    return (double)(limited || o >= SPRINGS_SINGLE ? a->stiff : a->compression);
 }
 
 /* §6: half of p's row sum of the stiffness bounds, N/m, of all springs and

@@ -50,8 +50,9 @@ static void predict_motion(struct motion *a)
     a->run->trace(a->on, "predict", p.star, bytes_of(a));
 }
 
-/* Wind acts as on the predicted motion, whatever the iteration; the change of
- * the motion resists it by its inertia. */
+/* Adds the force of the wind on the predicted motion, the same in each
+ * iteration of Newton's method. The air's resistance to a change of the motion
+ * is part of the matrix, as an inertia. */
 static void add_wind(struct motion *a)
 {
     struct wind w;

@@ -10,8 +10,8 @@ struct corner_load {
 };
 
 /* §1, §3: a third of the force on triangle abc and of its resistance. */
-static struct corner_load third(const struct wind *s, int64_t a, int64_t b,
-                                int64_t c)
+static struct corner_load third_of_load(const struct wind *s, int64_t a,
+                                        int64_t b, int64_t c)
 {
     struct corner_load none = {vec_make(0, 0, 0), 0};
     vec ab = vec_sub(s->x[b], s->x[a]), ac = vec_sub(s->x[c], s->x[a]);
@@ -32,7 +32,7 @@ static struct corner_load third(const struct wind *s, int64_t a, int64_t b,
 
 /* §2: adds the shares of p in the triangles around it, in ascending order of
  * their cells. */
-static vec gather(const struct wind *s, int64_t p, int32_t i, int32_t j)
+static vec gather_corners(const struct wind *s, int64_t p, int32_t i, int32_t j)
 {
     const vec *part = s->part;
     int64_t m = s->m;
@@ -50,7 +50,8 @@ static vec gather(const struct wind *s, int64_t p, int32_t i, int32_t j)
 }
 
 /* §3: the same of the resistance. */
-static real resist(const struct wind *s, int64_t p, int32_t i, int32_t j)
+static real add_resistance(const struct wind *s, int64_t p, int32_t i,
+                           int32_t j)
 {
     const real *rate = s->rate;
     int64_t m = s->m;
@@ -68,7 +69,7 @@ static real resist(const struct wind *s, int64_t p, int32_t i, int32_t j)
 }
 
 /* Sets the shares of triangle k, of number 2·p or 2·p + 1 in cell p. */
-static void put(const struct wind *s, int64_t k, struct corner_load a)
+static void put_corner(const struct wind *s, int64_t k, struct corner_load a)
 {
     s->part[k] = a.force;
     if (s->n_inertia)
@@ -82,15 +83,16 @@ int ref_wind(struct wind *s)
     for (int64_t p = 0; p < s->count; p++) {
         struct corner_load none = {vec_make(0, 0, 0), 0};
         bool is = s->cell[p];
-        put(s, 2 * p, is ? third(s, p, p + 1, p + m + 1) : none);
-        put(s, 2 * p + 1, is ? third(s, p, p + m + 1, p + m) : none);
+        put_corner(s, 2 * p, is ? third_of_load(s, p, p + 1, p + m + 1) : none);
+        put_corner(s, 2 * p + 1,
+                   is ? third_of_load(s, p, p + m + 1, p + m) : none);
     }
     EACH_ITEM
     for (int64_t p = 0; p < s->count; p++) {
         int32_t j = cloth_row(p, s->m), i = (int32_t)(p - j * m);
-        s->force[p] = gather(s, p, i, j);
+        s->force[p] = gather_corners(s, p, i, j);
         if (s->n_inertia)
-            s->inertia[p] = s->mass[p] + s->tau * resist(s, p, i, j);
+            s->inertia[p] = s->mass[p] + s->tau * add_resistance(s, p, i, j);
     }
     return DRAPE_OK;
 }

@@ -51,10 +51,10 @@ static bool is_apart(const struct motion *m, int k, double *most)
     double lo = m->box[0].at[0][k], hi = lo;
     for (int j = 0; j < m->count; j++)
         for (int t = 0; t < 2; t++) {
-            lo = smaller(lo, m->box[j].at[t][k]);
-            hi = larger(hi, m->box[j].at[t][k]);
+            lo = smaller_of(lo, m->box[j].at[t][k]);
+            hi = larger_of(hi, m->box[j].at[t][k]);
         }
-    *most = larger(-lo, hi);
+    *most = larger_of(-lo, hi);
     return lo > 0 || hi < 0;
 }
 
@@ -94,7 +94,7 @@ static bool set_error_bounds(const struct motion *m, struct forms *s)
         d[k] = 0;
         for (int j = 0; j < 6; j++) {
             double a = m->f[j / 2].at[j % 2][k];
-            d[k] = larger(d[k], larger(a, -a));
+            d[k] = larger_of(d[k], larger_of(a, -a));
         }
         if (!(d[k] <= RANGE))
             return false;

@@ -47,8 +47,10 @@ static void give_audit(struct world *w, struct audit *s)
 /* The intersecting pairs of a state, without pairs that the simulation need not
  * keep apart. */
 struct start_pairs {
-    int32_t from, to; /* of each pair one triangle is from … to - 1 */
-    int64_t all;      /* pairs of triangles with area, `from` and `to` aside */
+    int32_t from, to; /* of each pair one triangle is from … to - 1: the
+ others are not wanted */
+    int64_t all;      /* pairs of triangles with area, whatever `from` and
+ `to` are */
     int64_t found;    /* pairs of triangles with area; if there is none, 1 if
                          a triangle without area touches another triangle */
     int32_t first[2]; /* the first pair, ascending; triangles of the scene */

@@ -108,7 +108,8 @@ static const char *check(const struct blocks *s, int o, int64_t from,
     /* Near a kink of the law, rounding or the fit may put the length on its
      * other side. */
     double blur = 16 * REAL_U * (length + (double)law->rest);
-    double shift = 13 * LAW_ERROR * (double)law->bend / (double)law->press;
+    double shift =
+        13 * LAW_ERROR * (double)law->bend / (double)law->compression;
     bool kink = fabs(length - (double)law->rest) <= blur ||
                 fabs(length - (double)law->knee) <= blur + shift;
     for (int k = 0; k < law->pieces; k++)
