@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Stage links on the device: the contacts' own matrix times a vector.
  * spec/contact/coulomb.md §3 */
+#include "gpu/contact/contact.cuh"
 #include "gpu/contact/links.cuh"
 
 /* Blocks of the push kernel for each multiprocessor. */

@@ -13,7 +13,7 @@ extern "C" {
 #include "gpu/world/sheet.h"
 #include "gpu/world/state.h"
 #include "gpu/world/systems.h"
-#include "ref/control/air.h"
+#include "ref/world/air.h"
 }
 
 static void give_state(struct gpu_world *d)

@@ -7,7 +7,7 @@
 extern "C" {
 #include "gpu/world/prescribed.h"
 #include "gpu/world/state.h"
-#include "ref/world/prescribed.h"
+#include "ref/base/prescribed.h"
 }
 
 /* Thread k owns pin k and writes the place of its particle. */

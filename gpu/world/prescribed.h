@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Loops over prescribed vertices and over displacements on the device, as in
- * ref/world/prescribed.h. spec/world/step.md §1, §6, §7, §11 */
+ * ref/base/prescribed.h. spec/world/step.md §1, §6, §7, §11 */
 #ifndef GPU_PRESCRIBED_H
 #define GPU_PRESCRIBED_H
 

@@ -7,6 +7,7 @@
 
 #include "ref/api/define.h"
 #include "ref/api/record.h"
+#include "ref/base/change.h"
 #include "ref/base/threads.h"
 
 /* Ends a world of this handle and counts the allocations of its device. */

@@ -3,6 +3,7 @@
  * two steps. spec/control/control.md */
 #include "ref/api/define.h"
 #include "ref/api/record.h"
+#include "ref/base/change.h"
 #include "ref/base/threads.h"
 
 #include <string.h>

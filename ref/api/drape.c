@@ -11,6 +11,7 @@
 #include "ref/api/define.h"
 #include "ref/api/handle.h"
 #include "ref/api/record.h"
+#include "ref/base/info.h"
 #include "ref/base/threads.h"
 #include "ref/narrow/audit.h"
 #include "ref/narrow/narrow.h"

@@ -127,7 +127,7 @@ struct backend {
 
     void (*pin)(void *on, int64_t n, const int32_t *pinned, const vec *x,
                 vec *to);
-    /* The loops of ref/world/prescribed.h. */
+    /* The loops of ref/base/prescribed.h. */
     void (*blend)(void *on, const struct blend *s);
     void (*keep)(void *on, int64_t n, const uint8_t *fixed, const vec *old,
                  vec *a);

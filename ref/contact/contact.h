@@ -5,9 +5,7 @@
 #ifndef REF_CONTACT_H
 #define REF_CONTACT_H
 
-#include "ref/base/stage.h"
-
-enum contact_kind { CONTACT_VF, CONTACT_EE };
+#include "ref/broad/pair.h"
 
 /* Whether a contact takes part in the implicit solve: not; as one that moves
  * several vertices; as one that moves one vertex alone. */
@@ -95,15 +93,6 @@ static inline int prescribed_side(int kind, const int32_t v[4], const real *w)
             return side;
     }
     return SIDES;
-}
-
-/* Whether all four indices are in 0 … nv - 1. */
-static inline bool pair_valid(const int32_t v[4], int64_t nv)
-{
-    for (int k = 0; k < 4; k++)
-        if (v[k] < 0 || v[k] >= nv)
-            return false;
-    return true;
 }
 
 /* The weighted sum Σ c a in this order: ((c0 a0 + c1 a1) + c2 a2) + c3 a3. */

@@ -3,7 +3,7 @@
  * spec/contact/carry.md §3 */
 #include "ref/contact/kept.h"
 
-#include "ref/api/ops.h"
+#include "ref/base/change.h"
 #include "ref/base/keys.h"
 #include "ref/sleep/rest.h"
 #include "ref/world/state.h"

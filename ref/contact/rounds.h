@@ -20,7 +20,7 @@ struct pairs {
 /* All streams and pools lie in the memory of the backend. */
 struct response {
     const struct backend *run;
-    void *on; /* the backend's own */
+    void *on; /* the first argument of the backend's functions */
 
     int64_t nv;
     const real *w; /* [nv] 1/kg, ≥ 0; 0: prescribed, x1 and v stay */

@@ -3,9 +3,9 @@
  * backend. spec/control/control.md §1, §2 */
 #include "ref/control/control.h"
 
-#include "ref/api/ops.h"
-#include "ref/control/air.h"
+#include "ref/base/change.h"
 #include "ref/sleep/sleep.h"
+#include "ref/world/air.h"
 #include "ref/world/ending.h"
 #include "ref/world/start.h"
 

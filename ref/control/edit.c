@@ -3,7 +3,7 @@
  * state. spec/control/control.md §9 */
 #include "ref/control/edit.h"
 
-#include "ref/api/ops.h"
+#include "ref/base/change.h"
 #include "ref/contact/kept.h"
 #include "ref/control/control.h"
 #include "ref/world/ending.h"
@@ -118,13 +118,6 @@ int edit_define(const struct world *old, const struct scene_edit *edit,
             obstacle[o] = *edit->obstacle;
     }
     return status;
-}
-
-void edit_keep_sizes(struct world *w, const struct edited *edited)
-{
-    for (int k = 0; k < w->def.n_cloths; k++)
-        if (edited->from[k] >= 0)
-            w->sheet[k].size = edited->old->sheet[edited->from[k]].size;
 }
 
 /* §9.2: the state. */

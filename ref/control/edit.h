@@ -15,9 +15,6 @@ struct scene_edit;
  * the pinned ones. DRAPE_OK or DRAPE_ENOMEM. */
 int edit_define(const struct world *old, const struct scene_edit *edit,
                 struct arena *arena, drape_def *def, struct edited *edited);
-/* Gives the cloths that stay the sizes by which the old world's tree was made.
- */
-void edit_keep_sizes(struct world *w, const struct edited *edited);
 /* Gives a world that was made of that definition the state of the old one.
  * DRAPE_OK; DRAPE_ESTART and a text if the new body intersects something;
  * DRAPE_EDATA if its motion takes it beyond 2^60; DRAPE_ENOMEM, DRAPE_EDEVICE.

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Live control of pins and obstacles, for either backend: where the caller
  * moves vertices in the next step. spec/control/control.md §3, §4, §5 */
-#include "ref/api/ops.h"
+#include "ref/base/change.h"
 #include "ref/control/control.h"
 #include "ref/sleep/sleep.h"
 #include "ref/world/start.h"

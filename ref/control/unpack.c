@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The part of a checkpoint that says what the caller has changed of a world.
  * spec/control/control.md §6 */
-#include "ref/api/ops.h"
+#include "ref/base/change.h"
 #include "ref/cloth/table.h"
 #include "ref/control/control.h"
 #include "ref/world/start.h"

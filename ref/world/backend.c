@@ -3,11 +3,26 @@
  * before they return. ref/base/backend.h */
 #include "ref/base/backend.h"
 
-#include "ref/base/stages.h"
+#include "ref/base/prescribed.h"
+#include "ref/base/sum.h"
+#include "ref/broad/travel.h"
+#include "ref/cloth/implicit.h"
 #include "ref/cloth/motion.h"
+#include "ref/contact/carry.h"
+#include "ref/contact/contacts.h"
+#include "ref/contact/coulomb.h"
+#include "ref/contact/impacts.h"
+#include "ref/contact/impulses.h"
+#include "ref/contact/proximity.h"
+#include "ref/contact/rollback.h"
 #include "ref/contact/unknowns.h"
+#include "ref/contact/zones.h"
+#include "ref/momentum/momentum.h"
+#include "ref/narrow/audit.h"
+#include "ref/narrow/narrow.h"
 #include "ref/sleep/wake.h"
-#include "ref/world/prescribed.h"
+#include "ref/world/kinematics.h"
+#include "ref/world/state.h"
 
 static void *take_stream(void *on, enum arena_part part, int64_t n, size_t size)
 {
@@ -256,6 +271,21 @@ static int ending_streams(void *on, struct audit *s, int64_t nt, int64_t cloths)
     return s->count ? DRAPE_OK : DRAPE_ENOMEM;
 }
 
+/* Whether an obstacle or a pin has another place in x1 than in x0, compared by
+ * bits. */
+static bool any_moves(const struct world *w)
+{
+    if (prescribed_differs(w->nv - w->nc, NULL, w->x0 + w->nc, w->x1 + w->nc))
+        return true;
+    for (int k = 0; k < w->def.n_cloths; k++) {
+        struct pins pins = sheet_pins(&w->sheet[k]);
+        const vec *x0 = w->x0 + w->sheet[k].first;
+        if (prescribed_differs(pins.n, pins.at, x0, pins.x))
+            return true;
+    }
+    return false;
+}
+
 const struct backend backend_ref = {.take = take_stream,
                                     .grow = grow_pool,
                                     .give = give_stream,
@@ -307,7 +337,7 @@ const struct backend backend_ref = {.take = take_stream,
                                     .sane = are_sane,
                                     .fetch = copy_bytes,
                                     .laws = renew_laws,
-                                    .moves = prescribed_moves,
+                                    .moves = any_moves,
                                     .differs = find_difference,
                                     .wake_find = find_disturbed,
                                     .wake_mask = set_mask,

@@ -9,9 +9,9 @@
 #include "ref/base/hash.h"
 #include "ref/cloth/table.h"
 #include "ref/contact/kept.h"
-#include "ref/control/air.h"
 #include "ref/control/control.h"
 #include "ref/sleep/sleep.h"
+#include "ref/world/air.h"
 
 struct header {
     char magic[8]; /* "drape-" and the number of this format */

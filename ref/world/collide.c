@@ -159,7 +159,7 @@ static void count_solves(const struct world *w, drape_step_report *r)
     r->residual = fmax(r->residual, a->residual);
 }
 
-int collide(struct world *w, drape_step_report *r, double *last)
+int collide_slice(struct world *w, drape_step_report *r, double *last)
 {
     bool alone;
     int status = test_alone(w, &alone);

@@ -3,7 +3,7 @@
  * spec/world/step.md §1 */
 #include "ref/world/prescribe.h"
 
-#include "ref/world/prescribed.h"
+#include "ref/base/prescribed.h"
 #include "ref/world/slice.h"
 
 void prescribe_frame(struct prop *p, double t)

@@ -184,7 +184,7 @@ static void handle_contact(struct world *w, struct step *s)
 {
     if (!slice_continues(s) || !w->plan.collides || w->sleep->woken)
         return;
-    s->status = collide(w, &s->r, &s->last);
+    s->status = collide_slice(w, &s->r, &s->last);
     if (s->status == DRAPE_EDATA) {
         s->status = DRAPE_OK;
         s->r.outcome |= DRAPE_DIVERGED;
@@ -232,6 +232,9 @@ static void check_slice(struct world *w, struct step *s)
     s->again = w->plan.collides && slice_wrong(w, s->r.outcome);
 }
 
+/* Stores the motion of n particles from `first` on as the past of the next
+ * slice (implicit.md §4). Where contacts struck, the past gets the velocities
+ * of lagrange.md §5. */
 static void remember_run(struct world *w, int64_t first, int64_t n)
 {
     bool collides = w->plan.collides, struck = w->lagrange.struck;

@@ -1,18 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Makes a world of one precision from a checked definition, and serves the
- * API's questions about its state. */
-#include "ref/api/ops.h"
-#include "ref/control/air.h"
-#include "ref/control/control.h"
-#include "ref/control/edit.h"
-#include "ref/control/list.h"
+/* Makes a world of one precision from a checked definition, and reads its
+ * state. */
+#include "ref/base/change.h"
 #include "ref/sleep/sleep.h"
+#include "ref/world/air.h"
 #include "ref/world/checkpoint.h"
 #include "ref/world/connect.h"
 #include "ref/world/fill.h"
 #include "ref/world/start.h"
 #include "ref/world/state.h"
-#include "ref/world/step.h"
 
 /* The hashes of the bodies; those of an edited world are known but for a new
  * body. */
@@ -28,6 +24,15 @@ static int make_prints(struct world *w, const drape_def *def,
             w->print[k] = edited->old->print[edited->from[k]];
     w->fingerprint = checkpoint_fingerprint(def, w->print);
     return DRAPE_OK;
+}
+
+/* Gives the cloths that stay the sizes by which the old world's tree was made.
+ */
+static void keep_sizes(struct world *w, const struct edited *edited)
+{
+    for (int k = 0; k < w->def.n_cloths; k++)
+        if (edited->from[k] >= 0)
+            w->sheet[k].size = edited->old->sheet[edited->from[k]].size;
 }
 
 int world_make_edited(const drape_def *def, const struct edited *edited,
@@ -63,7 +68,7 @@ int world_make_edited(const drape_def *def, const struct edited *edited,
     if (status == DRAPE_OK)
         status = fill_streams(w, def, error);
     if (status == DRAPE_OK && edited)
-        edit_keep_sizes(w, edited);
+        keep_sizes(w, edited);
     else if (status == DRAPE_OK && w->plan.collides)
         status = start_audit(w, error);
     if (status == DRAPE_OK)
@@ -102,37 +107,7 @@ int world_read(const struct world *w, double (*x)[3], double (*v)[3])
     return DRAPE_OK;
 }
 
-static int borrow_streams(struct world *w, drape_view *view)
-{
-    view->x = w->x0;
-    view->v = w->v0;
-    view->tri = (const int32_t(*)[3])w->tri;
-    view->device = -1;
-    view->stream = NULL;
-    return DRAPE_OK;
-}
-
 void world_read_triangles(const struct world *w, int32_t (*tri)[3])
 {
     memcpy(tri, w->tri, (size_t)w->nt * sizeof *tri);
 }
-
-const struct world_ops world_ops = {.make = world_make,
-                                    .step = step_advance,
-                                    .read = world_read,
-                                    .read_triangles = world_read_triangles,
-                                    .clock = state_clock,
-                                    .material = state_material,
-                                    .wind = state_wind,
-                                    .gravity = state_gravity,
-                                    .first_vertex = state_first_vertex,
-                                    .first_triangle = state_first_triangle,
-                                    .wake = sleep_wake,
-                                    .set_wind = control_wind,
-                                    .control = CONTROL_OPS,
-                                    .edit = EDIT_OPS(world_make_edited),
-                                    .contacts = list_contacts,
-                                    .plan = plan_rows,
-                                    .save = checkpoint_save,
-                                    .load = checkpoint_load,
-                                    .borrow = borrow_streams};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Loops of the reference over prescribed vertices and over displacements.
  * spec/world/step.md §1, §6, §7 */
-#include "ref/world/prescribed.h"
+#include "ref/base/prescribed.h"
 
 void prescribed_pin(int64_t n, const int32_t *pinned, const vec *x, vec *to)
 {
@@ -15,19 +15,6 @@ bool prescribed_differs(int64_t n, const int32_t *at, const vec *x0,
     for (int64_t i = 0; i < n; i++)
         if (memcmp(&x0[at ? at[i] : i], &x1[i], sizeof *x0) != 0)
             return true;
-    return false;
-}
-
-bool prescribed_moves(const struct world *w)
-{
-    if (prescribed_differs(w->nv - w->nc, NULL, w->x0 + w->nc, w->x1 + w->nc))
-        return true;
-    for (int k = 0; k < w->def.n_cloths; k++) {
-        struct pins pins = sheet_pins(&w->sheet[k]);
-        const vec *x0 = w->x0 + w->sheet[k].first;
-        if (prescribed_differs(pins.n, pins.at, x0, pins.x))
-            return true;
-    }
     return false;
 }
 

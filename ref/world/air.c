@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The wind of a world, on either backend. spec/cloth/wind.md */
-#include "ref/control/air.h"
+#include "ref/world/air.h"
 
 static void *take_array(struct world *w, void *had, int64_t n, size_t size)
 {

@@ -5,13 +5,10 @@
 #ifndef REF_PRESCRIBED_H
 #define REF_PRESCRIBED_H
 
-#include "ref/world/state.h"
+#include "ref/base/stage.h"
 
 /* Writes the place of each of n pins to its particle: to[pinned[k]] = x[k]. */
 void prescribed_pin(int64_t n, const int32_t *pinned, const vec *x, vec *to);
-/* Whether an obstacle or a pin has another place in x1 than in x0, compared by
- * bits. */
-bool prescribed_moves(const struct world *w);
 /* Whether n vertices, or those that `at` names, have other bits in x0 than the
  * n of x1. */
 bool prescribed_differs(int64_t n, const int32_t *at, const vec *x0,

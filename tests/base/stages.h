@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Includes the struct and the function ref_X of every stage X. */
-#ifndef REF_STAGES_H
-#define REF_STAGES_H
+#ifndef TESTS_STAGES_H
+#define TESTS_STAGES_H
 
 #include "ref/base/sum.h"
 #include "ref/broad/cones.h"

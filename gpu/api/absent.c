@@ -5,6 +5,7 @@
 
 #include "certificate.h"
 #include "ref/api/ops.h"
+#include "ref/base/info.h"
 
 static int refuse(const drape_def *def, struct arena *arena,
                   struct world **world, drape_error *error)
