@@ -135,14 +135,15 @@ static __device__ real part_of(const struct coulomb *s, const struct contact *c,
     return sum / side[j < split ? SIDE_A : SIDE_B] * magnitude(c->c[j]);
 }
 
-/* What an item adds, number by number, and whether its bound is of a SINGLE
- * contact. Number o of the item at place k is in part[o·n4 + k]. */
+/* The numbers that an item adds to its vertex, and whether its bound is of a
+ * SINGLE contact. Number o of the item at place k is in part[o·n4 + k]. */
 struct items {
     real *part;      /* [PARTS·n4] */
     uint8_t *single; /* [n4] */
 };
 
-/* §3.2: what contact c adds to the bound of its vertex j; 0 if it is apart. */
+/* §3.2: the part of contact c in the bound of its vertex j; 0 if it is apart.
+ */
 static __device__ void find_bound(const struct coulomb *s,
                                   const struct contact *c, int j,
                                   real bound[BOUND_NUMBERS])
@@ -215,7 +216,7 @@ static __device__ real &number(vec *a, int64_t i, int o)
     return ((real *)&a[i])[o];
 }
 
-/* Writes number o of the forces of vertex i, and what is lacking with it. */
+/* Writes number o of the forces of vertex i, and of inner and outer. */
 static __device__ void put_push(const struct coulomb *s, int64_t i, int o,
                                 real sum)
 {

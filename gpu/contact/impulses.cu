@@ -14,7 +14,7 @@ extern "C" {
 /* Words of the device. TICKET: counts blocks for ends_last. */
 enum { BAD, FOUND, TICKET, WORDS };
 
-/* §5: the key of what is left to a later round, and no first impact. */
+/* §5: the key of an impact that is left to a later round, and of none. */
 static const uint64_t NONE = ~0ull;
 
 /* §2: geometry */
@@ -119,7 +119,7 @@ static __device__ struct contact contact_of(const struct impulses *s, int64_t k)
     return c;
 }
 
-/* §5: what a vertex meets first */
+/* §5: the first impact of each vertex */
 
 /* Whether impact j is one; its vertices are then in v. */
 static __device__ bool is_sound(const struct impulses *s, int64_t j,

@@ -36,7 +36,7 @@ struct linked {
     struct mutual *item; /* [n4] */
 };
 
-/* What the joint solve needs of a world. */
+/* The streams of a world that the joint solve reads and writes. */
 struct joint_system {
     struct gpu *gpu;
     int n;                         /* cloths, ≥ 1 */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Loops over what sleeps on the device, as in ref/sleep/wake.h.
+/* Loops for waking cloths on the device, as in ref/sleep/wake.h.
  * spec/sleep/sleep.md */
 #ifndef GPU_WAKE_H
 #define GPU_WAKE_H

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The contact: a constraint on the velocities of four vertices. Proximity and
- * impulses make contacts; coulomb and contacts say what they push.
+ * impulses make contacts; coulomb and contacts find their impulses.
  * spec/contact/contacts.md */
 #ifndef REF_CONTACT_H
 #define REF_CONTACT_H

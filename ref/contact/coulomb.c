@@ -93,7 +93,7 @@ static void evaluate_contact(const struct coulomb *s, int64_t k)
     c->coupling = !(c->stiffness_n > 0 || c->stiffness_t > 0) ? CONTACT_APART
                   : is_single(s, c)                           ? CONTACT_SINGLE
                                                               : CONTACT_MUTUAL;
-    /* §2.3: what renewed multipliers would give */
+    /* §2.2: the impulse by renewed multipliers, for outer */
     real load = c->impulse, next = push_of(s, c, load, lack);
     vec drag = cut_length(c->tangent, c->friction * load);
     drag = cut_length(vec_axpy(drag, -c->kappa, slip), c->friction * load);
@@ -124,7 +124,7 @@ static real part_of(const struct coulomb *s, const struct contact *c, int j)
     return sum / side_of(s, c, j) * real_abs(c->c[j]);
 }
 
-/* §3.2: what contact c adds to the bound of its vertex j. */
+/* §3.2: the part of contact c in the bound of its vertex j. */
 static sym bound_of(const struct coulomb *s, const struct contact *c, int j)
 {
     real part = part_of(s, c, j);

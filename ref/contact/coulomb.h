@@ -12,14 +12,14 @@ struct coulomb {
                           cloths; contacts; 4 n < 2^31 */
     const real *w;     /* [nv] 1/kg, ≥ 0; 0: prescribed */
     const vec *u;      /* [nv] m/s, mean velocity of the slice */
-    const vec *rest;   /* [nc] N·s, what the motion without contact lacks */
+    const vec *rest;   /* [nc] N·s, residual of the motion without contact */
     real dt, tau;      /* s, > 0: the slice, and the integrator's effective
                           step */
     real stiffest;     /* kg, > 0: no κ grows beyond */
     real give;  /* 1/(kg m), ≥ 0: compliance of a contact over its gap */
     real reach; /* m, ≥ 0: no thickness is larger */
-    int renews; /* 1: the multipliers become what the call before found */
-    int closes; /* 1: N becomes what this call finds */
+    int renews; /* 1: the multipliers become the impulses of the last call */
+    int closes; /* 1: N becomes the normal impulse of this call */
     int lists;  /* 1: the contacts are others than in the call before */
     struct contact *contact; /* [n] inout; carry.md has set them up */
 

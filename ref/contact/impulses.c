@@ -142,7 +142,7 @@ static void emit_contact(const struct impulses *s, int64_t k, struct contact *c)
     contact_clear(c);
 }
 
-/* §5: what a vertex meets first */
+/* §5: the first impact of each vertex */
 
 static const uint64_t NONE = ~UINT64_C(0);
 

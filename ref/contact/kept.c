@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What contacts carry from slice to slice, as a whole.
+/* The multipliers that all contacts carry from slice to slice.
  * spec/contact/carry.md §3 */
 #include "ref/contact/kept.h"
 
@@ -35,7 +35,7 @@ static bool is_asleep(const struct world *w, const struct kept *k)
     return false;
 }
 
-/* Leaves out what presses nothing, and orders the rest. */
+/* Leaves out entries without a normal impulse, and sorts the rest by key. */
 static int sort_kept(const struct world *w, struct kept *list, int64_t *n)
 {
     int64_t found = 0;

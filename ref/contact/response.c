@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The rounds of collision response, on either backend: what the host decides
+/* The rounds of collision response, on either backend: the host's decisions
  * from the counts that its stages give. spec/contact/response.md */
 #include "ref/contact/response.h"
 
@@ -156,7 +156,8 @@ static int detect_hits(struct response *s, const uint8_t *touched)
     return status;
 }
 
-/* A pool of contacts with neither the active set nor what `other` has. */
+/* The number of the pool of contacts that is neither the active set's nor
+ * `other`. */
 static int spare_side(const struct response *s, int other)
 {
     int side = 0;
@@ -165,8 +166,8 @@ static int spare_side(const struct response *s, int other)
     return side;
 }
 
-/* §4. What touches joins the active set, contact[side]. What the solve left
- * stays, for the list of contacts. */
+/* §4. Pairs that touch join the active set, contact[side]. The set that the
+ * solve left stays, for the list of contacts. */
 static int find_impulses(struct response *s)
 {
     int side = spare_side(s, s->solved);
@@ -306,7 +307,7 @@ static int resolve_round(struct response *s, int round)
 int response_penetrate(struct response *s)
 {
     if (!s->solves)
-        s->active = 0; /* what repulsion left there is done */
+        s->active = 0; /* the contacts of repulsion are not used again */
     s->solved = s->side;
     s->n_solved = s->active;
     s->rounds = 1;

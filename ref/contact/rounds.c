@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a round of collision response computes between its stages.
+/* The loops of a round of collision response between its stages.
  * spec/contact/response.md */
 #include "ref/contact/rounds.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Collision response in rounds: its state, what the reference computes in a
+/* Collision response in rounds: its state, the loops of the reference in a
  * round between the stages, and the last rounds, which always end.
  * spec/contact/response.md */
 #ifndef REF_ROUNDS_H
@@ -74,7 +74,7 @@ struct response {
                 without a free vertex that touch: left alone */
     int outcome;    /* out: or of enum drape_outcome */
 
-    int64_t hits, active, tangled; /* what the pools hold */
+    int64_t hits, active, tangled; /* items in the pools */
     int side, tangle_side;         /* which of the pools */
     int solved;                    /* the pool of the contacts that the last
                                       solve left, as it left them */
@@ -106,14 +106,14 @@ static inline void response_reset(struct response *s)
 /* The stiffness of repulsion, of the largest stretch of a cloth. */
 #define RESPONSE_SOFT R(0.1)
 
-/* What a pool must hold. */
+/* The items that a pool must have room for. */
 struct pool_need {
     struct pool *pool;
     int64_t need;
     size_t size; /* bytes of an item */
 };
 
-/* Makes the n pools hold what they must, until the next solve. DRAPE_OK or
+/* Gives the n pools room for these items, until the next solve. DRAPE_OK or
  * DRAPE_ENOMEM. */
 static inline int response_grow(const struct response *s, int n,
                                 const struct pool_need *pool_need)

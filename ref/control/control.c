@@ -38,7 +38,8 @@ int control_wind(struct world *w, const drape_wind *wind)
     return DRAPE_OK;
 }
 
-/* Sets what the scene derives from all cloths, as fill.c and connect.c do. */
+/* Sets the numbers of the scene that depend on all cloths, as fill.c and
+ * connect.c do. */
 static void derive_from_cloths(struct world *w)
 {
     const struct world *h = w->home;
@@ -108,8 +109,8 @@ int control_material(struct world *w, int cloth, const drape_material *m)
 
 /* §2 */
 
-/* Makes the world forget what earlier steps have taught, as if it were made in
- * the state that it has. */
+/* Makes the world forget all that follows from earlier steps, as if it were
+ * made in the state that it has. */
 static void forget_history(struct world *w)
 {
     w->lagrange.n_kept[0] = w->lagrange.n_resting = 0;
@@ -141,7 +142,7 @@ int control_take(struct world *w, struct given a, int64_t n, vec *stage,
     return DRAPE_OK;
 }
 
-/* Puts back what the caller cannot set: the entries of a, within vertices first
+/* Puts back the entries of a that the caller cannot set, within vertices first
  * … first + n - 1, of particles that are fixed. */
 static void keep_fixed(struct world *w, int64_t first, int64_t n,
                        const vec *old, vec *a)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Live control: what the caller changes between two steps, for either backend.
+/* Live control: the caller's changes between two steps, for either backend.
  * Arguments that need no world to be checked have been checked.
  * spec/control/control.md */
 #ifndef REF_CONTROL_H
@@ -76,7 +76,7 @@ int control_inherit(struct world *w, const struct edited *edited);
 /* Takes the streams of §3. Some may have been taken by an earlier call that
  * then ran out of memory. DRAPE_OK or DRAPE_ENOMEM. */
 int control_take_targets(struct world *w);
-/* Fills fixed [count] with what is missing and with n pins. DRAPE_OK, or
+/* Marks in fixed [count] the missing particles and n pins. DRAPE_OK, or
  * DRAPE_EARG for a particle that is out of range, missing or named twice. */
 int control_mark(const struct cloth *c, int64_t n, const int32_t *particle,
                  uint8_t *fixed);
@@ -86,8 +86,8 @@ int control_make_pins(struct world *w, int64_t n, const int32_t *particle,
                       struct caller_pins *pins);
 void control_drop_pins(struct world *w, struct caller_pins *pins);
 
-/* Brings what stages read of cloth k, which changed on the host, up to date,
- * and what the scene derives from it. */
+/* Brings the streams of cloth k, which changed on the host, up to date,
+ * and the numbers of the scene that depend on them. */
 void control_tell_cloth(struct world *w, int k);
 /* Converts n given vectors into `to`, a stream of the backend, through the
  * host's stream `stage`, or takes `old` if none are given. DRAPE_OK or

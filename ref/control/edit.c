@@ -129,7 +129,7 @@ static void resend_vectors(struct world *w, vec *to, const vec *from, int64_t n)
         w->run->send(w->on, to, from, (size_t)n * sizeof *to);
 }
 
-/* Hands over what a body has of the streams. */
+/* Copies a body's part of the streams of the state from the old world. */
 static void copy_body(struct world *w, int k, const struct world *old, int from)
 {
     int64_t to = state_first_vertex(w, k), at = state_first_vertex(old, from);
@@ -183,8 +183,8 @@ static int begin_obstacle(struct world *w, int k)
     return status;
 }
 
-/* The numbers of the state that are not of a body. DRAPE_OK, or what
- * control_wind returned. */
+/* Copies the numbers of the state that are not of a body. DRAPE_OK, or the
+ * status that control_wind returned. */
 static int copy_numbers(struct world *w, const struct world *old)
 {
     w->step = old->step;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Makes the list of the last slice's contacts. The host makes it for both
- * backends, from what the solve and the rounds have left.
+ * backends, from the contacts that the solve and the rounds have left.
  * spec/control/control.md §8 */
 #include "ref/control/list.h"
 
@@ -47,14 +47,13 @@ static int make_room(struct world *w, int64_t n)
     return good ? DRAPE_OK : DRAPE_ENOMEM;
 }
 
-/* What the solve and the rounds left, on the host. */
+/* The contacts that the solve and the rounds left, on the host. */
 struct left {
     int64_t n, n_pushed;
     const struct contact *contact; /* [n] as the solve left them */
     const struct contact *pushed;  /* [n_pushed] as the rounds did, by key */
     double span; /* of an impulse of the solve, which acts for tau: dt / tau */
-    struct kept
-        *kept; /* [n_kept] of the arena, by key: what goes on pressing */
+    struct kept *kept; /* [n_kept] of the arena, by key: the multipliers */
     int64_t n_kept;
 };
 
@@ -97,7 +96,7 @@ static vec push_of(const struct contact *c)
     return vec_axpy(c->tangent, c->impulse, c->n);
 }
 
-/* What contact c is, without an impulse yet. */
+/* Fills the row of contact c but for its impulse. */
 static void describe_contact(const struct world *w, const struct contact *c,
                              drape_contact *to)
 {
@@ -131,8 +130,8 @@ static bool comes_before(const struct key *a, const struct key *b)
     return a->hi < b->hi || (a->hi == b->hi && a->lo < b->lo);
 }
 
-/* §8.1: adds what the rounds gave: to the solve's contacts, and as contacts of
- * their own. Returns how many the list has then. */
+/* §8.1: adds the impulses of the rounds: to the solve's contacts, and as
+ * contacts of their own. Returns how many the list has then. */
 static int64_t add_rounds(struct world *w, const struct left *s)
 {
     struct list *l = &w->list;
@@ -155,7 +154,7 @@ static int64_t add_rounds(struct world *w, const struct left *s)
     return n;
 }
 
-/* §8.3: what each body got of the contacts in the list. */
+/* §8.3: sums the impulses of the list on each body. */
 static void sum_impulses(struct world *w, int64_t n)
 {
     double(*body)[3] = w->list.body;
@@ -178,7 +177,8 @@ static double part_of(const struct left *s, const struct contact *c)
     return lasts ? s->span : 1 / s->span;
 }
 
-/* Makes the list of what the slice left. Returns how many contacts it has. */
+/* Makes the list of the contacts that the slice left. Returns how many contacts
+ * it has. */
 static int64_t make_list(struct world *w, struct left *s)
 {
     for (int64_t k = 0; k < s->n; k++) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The part of a checkpoint that says what the caller has changed of a world.
+/* The part of a checkpoint that holds the caller's changes of a world.
  * spec/control/control.md §6 */
 #include "ref/base/change.h"
 #include "ref/cloth/table.h"
@@ -92,8 +92,8 @@ static bool good_material(const drape_material *m)
     return good;
 }
 
-/* What the part says of a cloth. The list is where the part has it, and may be
- * unaligned. */
+/* The changes of one cloth, as the part holds them. The list is where the part
+ * has it, and may be unaligned. */
 struct said {
     drape_material material;
     int64_t n;
@@ -157,7 +157,7 @@ bool control_is_targeted(const struct world *w, const uint8_t *in,
     return targeted;
 }
 
-/* What a cloth will be. */
+/* A cloth as it will be after the changes. */
 struct next {
     drape_material material;
     struct caller_pins caller_pins; /* its streams are taken */
@@ -193,7 +193,7 @@ static int try_cloth(struct world *w, int k, const struct next *next)
     return status;
 }
 
-/* Takes what cloth k will have; said: NULL: all as defined. */
+/* Takes the memory of cloth k as it will be; said: NULL: all as defined. */
 static int prepare_cloth(struct world *w, int k, const struct said *said,
                          struct next *next)
 {
@@ -219,7 +219,8 @@ static int prepare_cloth(struct world *w, int k, const struct said *said,
     return status == DRAPE_OK ? try_cloth(w, k, next) : status;
 }
 
-/* Makes cloth k as it will be; `next` gets what is to be given back. */
+/* Makes cloth k as it will be; `next` gets the memory that is to be given back.
+ */
 static void commit_cloth(struct world *w, int k, struct next *next)
 {
     struct sheet *s = &w->sheet[k];

@@ -85,7 +85,7 @@ void sleep_undo(struct world *w)
     sleep_forget(w);
 }
 
-/* §2: what is held. */
+/* §3: cloths that are held */
 
 static void *take_stream(struct world *w, void *had, int64_t n, size_t size)
 {
@@ -206,7 +206,7 @@ int sleep_hold(struct world *w)
     return status == DRAPE_OK ? w->run->status(w->on) : status;
 }
 
-/* §4: what wakes. */
+/* §4: cloths that wake */
 
 /* Wakes the cloths whose islands are marked in flag. A past of another length
  * than this slice's is none. */
@@ -403,7 +403,7 @@ void sleep_count(struct world *w, int outcome)
     put_to_sleep(w);
 }
 
-/* §2: what others do beside those that are asleep. */
+/* §3: work on the cloths that are awake */
 
 void sleep_runs(struct world *w,
                 void (*work)(struct world *w, int64_t first, int64_t n))

@@ -8,7 +8,7 @@
 
 enum { SLEEP_STEPS = 30, SLEEP_MOST = 1 << 20 };
 
-/* Takes what lies on the host. DRAPE_OK or DRAPE_ENOMEM. */
+/* Takes the arrays that lie on the host. DRAPE_OK or DRAPE_ENOMEM. */
 int sleep_make(struct world *w);
 /* Gives the particles of cloth k the weights that they have when awake. */
 void sleep_weigh(struct world *w, int k);
@@ -21,7 +21,7 @@ void sleep_note(struct world *w);
 void sleep_undo(struct world *w);
 /* Begins a step: holds the cloths that are asleep, and no others. */
 int sleep_hold(struct world *w);
-/* Begins a slice, when what is prescribed has moved. */
+/* Begins a slice, after obstacles and pins have moved. */
 int sleep_begin_slice(struct world *w);
 /* After a query of the broad phase: sets `woken` where a pair of it has a body
  * that moves and a cloth that is asleep. */

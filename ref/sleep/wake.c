@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The loops of the reference over what sleeps. spec/sleep/sleep.md */
+/* The loops of the reference for waking cloths. spec/sleep/sleep.md */
 #include "ref/sleep/wake.h"
 
 void wake_find(struct wake *s)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Loops of the reference over what sleeps; the device has the same in
+/* Loops of the reference for waking cloths; the device has the same in
  * gpu/sleep/wake.cu. spec/sleep/sleep.md */
 #ifndef REF_WAKE_H
 #define REF_WAKE_H

@@ -5,9 +5,9 @@
 
 #include "ref/world/state.h"
 
-/* Takes what stage wind writes, in the backend's memory, where it has not been
- * taken yet: a world without air has none of it. DRAPE_OK, DRAPE_ENOMEM or
- * DRAPE_EDEVICE. */
+/* Takes the streams that stage wind writes, in the backend's memory, where they
+ * have not been taken yet: a world without air has none of it. DRAPE_OK,
+ * DRAPE_ENOMEM or DRAPE_EDEVICE. */
 int air_take(struct world *w);
 /* Sets the wind. Its streams have been taken, if it exerts a force or if the
  * definition's does. */

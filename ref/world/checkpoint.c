@@ -282,7 +282,7 @@ static bool good_wind(const drape_wind *wind)
 /* Contacts of a world, at most: 4 n < 2^31. */
 enum { MOST_KEPT = 1 << 29 };
 
-/* What the last slice left. */
+/* The numbers that the last slice left. */
 static bool good_last(const struct world *w, const struct header *h)
 {
     int64_t pairs = w->plan.collides ? w->nt * (w->nt - 1) / 2 : 0;
@@ -401,8 +401,8 @@ static int read_changes(struct world *w, drape_read_bytes *read, void *user,
     return read_part(w, read, user, (size_t)r->c.bytes, &r->pack, check);
 }
 
-/* Reads what contacts carry on. Their number may be anything in a file that
- * somebody made, so that memory is taken as bytes arrive. */
+/* Reads the multipliers that contacts carry on. Their number may be anything in
+ * a file that somebody made, so that memory is taken as bytes arrive. */
 static int read_kept(struct world *w, drape_read_bytes *read, void *user,
                      struct read *r, uint64_t *check)
 {
@@ -511,7 +511,7 @@ static int apply_checkpoint(struct world *w, const struct read *r)
     for (int k = 0; k < STREAMS; at += r->bytes[k++])
         if (r->bytes[k])
             memcpy(r->stream[k], r->aside + at, r->bytes[k]);
-    if (w->home == w) { /* no step writes x1 and v1 of what never moves */
+    if (w->home == w) { /* no step writes these of a static obstacle */
         memcpy(w->x1, w->x0, (size_t)w->nv * sizeof *w->x1);
         memcpy(w->v1, w->v0, (size_t)w->nv * sizeof *w->v1);
     }

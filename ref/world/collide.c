@@ -148,7 +148,7 @@ static int test_alone(struct world *w, bool *alone)
     return status;
 }
 
-/* What the loop that solves contacts has done. */
+/* Reports the work of the loop that solves contacts. */
 static void count_solves(const struct world *w, drape_step_report *r)
 {
     const struct lagrange *a = &w->lagrange;

@@ -11,7 +11,7 @@
 
 struct world;
 
-/* What a scene uses; from this follows which stages run. */
+/* The features that a scene uses; from these follows which stages run. */
 struct plan {
     bool prescribed; /* a pin or an obstacle has a motion or frames */
     bool wind;       /* the air has a density, and drag or lift */

@@ -58,7 +58,7 @@ static struct saved_state current_state(const struct world *w)
                                 .anchor = w->anchor};
 }
 
-/* Copies what contacts carry on. */
+/* Copies the multipliers that contacts carry on. */
 static int copy_kept(const struct world *w, struct pool *to, int64_t *n_to,
                      const struct pool *from, int64_t n)
 {

@@ -32,7 +32,7 @@ struct sheet {
     struct solver solver;
     struct kinematics pins;
     int32_t *pinned;          /* [pins.n] the particle of each pin */
-    struct gpu_sheet *device; /* what only a device needs; NULL: none */
+    struct gpu_sheet *device; /* streams of a device alone; NULL: none */
 };
 
 /* The pins of a cloth that hold now. */

@@ -164,7 +164,7 @@ static inline int64_t state_first_triangle(const struct world *w, int body)
                          : w->prop[body - cloths].first_triangle;
 }
 
-/* What the API tells of the state that lies on the host for either backend.
+/* Numbers of the state that the API returns, on the host for either backend.
  * step and time may be NULL. */
 static inline void state_clock(const struct world *w, int64_t *step,
                                double *time)

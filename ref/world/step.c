@@ -98,7 +98,7 @@ static void place_prescribed(struct world *w, struct step *s)
                   (size_t)(w->nv - w->nc) * sizeof *w->x1);
 }
 
-/* Sets what the motion of cloth k reads. */
+/* Sets the inputs of the motion of cloth k. */
 static void prepare_sheet(struct world *w, int k)
 {
     struct sheet *s = &w->sheet[k];
@@ -193,8 +193,8 @@ static void handle_contact(struct world *w, struct step *s)
         s->again = slice_diverged(w);
 }
 
-/* §6: what comes near a cloth that is asleep wakes it, and the slice is taken
- * again. */
+/* §6: a moving body near a cloth that is asleep wakes the cloth, and the slice
+ * is taken again. */
 static void wake_disturbed(struct world *w, struct step *s)
 {
     if (s->status != DRAPE_OK || !w->sleep->woken)
@@ -320,7 +320,7 @@ static int end_step(struct world *w, struct step *s)
         return s->status;
     w->intersecting = found;
     if (diverged)
-        r->outcome &= ~DRAPE_TRAPPED; /* what the response met is undone */
+        r->outcome &= ~DRAPE_TRAPPED; /* the response's step is undone */
     ending_tell(w, r);
     w->step += !failed;
     w->time = (double)w->step * w->def.dt;
