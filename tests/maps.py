@@ -642,7 +642,7 @@ def planted(texts):
     yield check_equivalents, edit("ref/base/packed.h", thin, thin.replace("(a)", "(b)"))
     yield check_equivalents, add("ci/mutants.equivalent", f"{home} | x | y | z\n")
     yield check_targets, add("spec/drape.h", "int drape_more(int many);\n")
-    yield check_constants, edit("ref/contact/carry.c", "LEAST / y", "R(30.0) / y")
+    yield check_constants, edit("ref/world/slice.c", "CELLS * w->cell", "4 * w->cell")
     yield check_constants, edit("ref/sleep/sleep.c", "* DRIFT *", "* 1e-3 *")
     yield check_commands, edit("README.md", "&& make demo", "&& make")
     yield check_commands, edit(".ci/run", "'make check'", "'make -k check'")

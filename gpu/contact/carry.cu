@@ -8,9 +8,6 @@ extern "C" {
 #include "ref/contact/carry.h"
 }
 
-/* §1.2: as LEAST of the reference. */
-#define LEAST R(30.0)
-
 /* The place in `kept` of what was kept of a pair, or -1. */
 static __device__ int64_t find_kept(const struct carry *s, struct key key)
 {
@@ -57,7 +54,8 @@ static __device__ real kappa_of(const struct carry *s, const struct contact *c,
         y += c->c[j] * c->c[j] * s->w[c->v[j]];
     if (c->lambda > 0)
         wanted = c->lambda * s->tau / (CARRY_GIVE * thickness);
-    return y > 0 ? max_of(LEAST / y, min_of(wanted, s->stiffest)) : R(0.0);
+    return y > 0 ? max_of(CARRY_KAPPA / y, min_of(wanted, s->stiffest))
+                 : R(0.0);
 }
 
 /* Thread k owns contact k. */

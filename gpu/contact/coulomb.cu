@@ -23,10 +23,6 @@ enum {
 };
 enum { GROUP_BLOCK = PARTS * GROUP };
 
-/* §2.3: as STEADY and GROWTH of the reference. */
-#define STEADY R(0.9)
-#define GROWTH R(10.0)
-
 /* A vector cut to the length `most`. */
 static __device__ vec cut_length(vec a, real most)
 {
@@ -64,9 +60,10 @@ static __device__ void renew_multipliers(const struct coulomb *s,
                                          struct contact *c)
 {
     real rise = c->impulse - c->lambda;
-    bool steady = c->lambda > 0 && c->rise > 0 && rise > STEADY * c->rise;
+    bool steady =
+        c->lambda > 0 && c->rise > 0 && rise > COULOMB_STEADY * c->rise;
     if (steady && c->kappa < s->stiffest)
-        c->kappa = min_of(GROWTH * c->kappa, s->stiffest);
+        c->kappa = min_of(COULOMB_GROWTH * c->kappa, s->stiffest);
     c->rise = rise;
     c->lambda = c->load = c->impulse;
     c->lambda_t = cut_length(c->tangent, c->friction * c->impulse);

@@ -38,9 +38,6 @@ struct beginning {
     real *item;
 };
 
-/* Of the last step, by Jacobi. */
-#define LAST_PART (R(2.0) / 3)
-
 /* What a graph does: makes M, finds r·M⁻¹ r, or solves. */
 enum task { SET_UP, MEASURE, SOLVE };
 
@@ -349,7 +346,7 @@ static void improve_solution(const struct joint_system *w,
 {
     each_cloth(w, [&](int k) {
         struct pcg p = part_of(w, &w->part[k]);
-        real part = p.precond == DRAPE_JACOBI ? LAST_PART : R(1.0);
+        real part = p.precond == DRAPE_JACOBI ? JOINT_LAST_PART : R(1.0);
         MERGE(w->gpu, p.count,
               ((const struct pcg_state *)a->c, p.count, p.dv, (const vec *)p.s,
                part),

@@ -11,6 +11,8 @@
 #define CARRY_RISE R(0.1)
 /* §1.2: of the thickness, by which κ yields to the load. */
 #define CARRY_GIVE R(0.03)
+/* §1.2: κ, in the masses that the contact moves. */
+#define CARRY_KAPPA R(30.0)
 
 /* The multipliers of a pair's contact at the end of a slice. */
 struct kept {

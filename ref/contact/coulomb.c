@@ -5,10 +5,6 @@
 
 #include "ref/contact/incidence.h"
 
-/* §2.3: λ rises steadily where it rises by more than this part of its last
- * rise; κ is then multiplied. */
-static const real STEADY = R(0.9), GROWTH = R(10.0);
-
 static int check_input(const struct coulomb *s)
 {
     if (!(s->dt > 0 && s->tau > 0 && s->give >= 0 && s->reach >= 0 &&
@@ -59,9 +55,10 @@ static bool is_single(const struct coulomb *s, const struct contact *c)
 static void renew_multipliers(const struct coulomb *s, struct contact *c)
 {
     real rise = c->impulse - c->lambda;
-    bool steady = c->lambda > 0 && c->rise > 0 && rise > STEADY * c->rise;
+    bool steady =
+        c->lambda > 0 && c->rise > 0 && rise > COULOMB_STEADY * c->rise;
     if (steady && c->kappa < s->stiffest)
-        c->kappa = real_min(GROWTH * c->kappa, s->stiffest);
+        c->kappa = real_min(COULOMB_GROWTH * c->kappa, s->stiffest);
     c->rise = rise;
     c->lambda = c->load = c->impulse;
     c->lambda_t = cut_length(c->tangent, c->friction * c->impulse);

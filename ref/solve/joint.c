@@ -9,8 +9,6 @@
 #include "ref/solve/product.h"
 #include "ref/world/state.h"
 
-static const real LAST_PART = R(2.0) / 3; /* of the last step, by Jacobi */
-
 /* The system of one cloth: its solver with bound as `extra`, on its part of the
  * joint residual. Only its preconditioner is used. */
 static struct pcg part_of(const struct sheet *s, const struct joint *a)
@@ -177,7 +175,7 @@ static int iterate_gradients(struct world *w, struct joint *a)
 static void improve_solution(const struct world *w, struct joint *a)
 {
     bool jacobi = w->sheet[0].solver.pcg.precond == DRAPE_JACOBI;
-    real part = jacobi ? LAST_PART : 1;
+    real part = jacobi ? JOINT_LAST_PART : 1;
     EACH_ITEM
     for (int64_t i = 0; i < a->nc; i++)
         a->dv[i] = vec_axpy(a->dv[i], part, a->q[i]);

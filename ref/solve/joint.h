@@ -8,6 +8,9 @@
 
 struct world;
 
+/* Of the last step, by Jacobi (lagrange.md §3.2). */
+#define JOINT_LAST_PART (R(2.0) / 3)
+
 struct joint {
     int64_t nc;     /* particles of all cloths */
     real tolerance; /* ≥ 0, in the energy norm, of the first residual */
