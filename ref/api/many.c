@@ -50,7 +50,7 @@ static void advance_in_part(void *with, int k)
 }
 
 /* A thread takes the next world that nobody has taken until none is left. */
-static void *take_turns(void *with)
+static void *advance_next_worlds(void *with)
 {
     struct part *p = with;
     for (;;) {
@@ -74,10 +74,10 @@ static void advance_by_threads(struct part *p)
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
     while (made < p->call->threads - 1 && made < p->n - 1 &&
-           !pthread_create(&thread[made], NULL, take_turns, p))
+           !pthread_create(&thread[made], NULL, advance_next_worlds, p))
         made++;
     pthread_sigmask(SIG_SETMASK, &before, NULL);
-    take_turns(p);
+    advance_next_worlds(p);
     for (int k = 0; k < made; k++)
         pthread_join(thread[k], NULL);
     pthread_mutex_destroy(&p->lock);

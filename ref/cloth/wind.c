@@ -3,7 +3,7 @@
  * spec/cloth/wind.md */
 #include "ref/cloth/wind.h"
 
-/* The share of a corner in what a triangle has. */
+/* The load of a triangle on one of its corners: a third of the triangle's. */
 struct corner_load {
     vec force; /* N */
     real rate; /* kg/s */
@@ -68,8 +68,9 @@ static real add_resistance(const struct wind *s, int64_t p, int32_t i,
     return sum + rate[2 * p + 1];
 }
 
-/* Sets the shares of triangle k, of number 2·p or 2·p + 1 in cell p. */
-static void put_corner(const struct wind *s, int64_t k, struct corner_load a)
+/* Stores the load that triangle k puts on each of its corners; cell p has the
+ * triangles 2·p and 2·p + 1. */
+static void store_load(const struct wind *s, int64_t k, struct corner_load a)
 {
     s->part[k] = a.force;
     if (s->n_inertia)
@@ -83,8 +84,8 @@ int ref_wind(struct wind *s)
     for (int64_t p = 0; p < s->count; p++) {
         struct corner_load none = {vec_make(0, 0, 0), 0};
         bool is = s->cell[p];
-        put_corner(s, 2 * p, is ? third_of_load(s, p, p + 1, p + m + 1) : none);
-        put_corner(s, 2 * p + 1,
+        store_load(s, 2 * p, is ? third_of_load(s, p, p + 1, p + m + 1) : none);
+        store_load(s, 2 * p + 1,
                    is ? third_of_load(s, p, p + m + 1, p + m) : none);
     }
     EACH_ITEM

@@ -239,6 +239,8 @@ static void commit_cloth(struct world *w, int k, struct next *next)
     control_tell_cloth(w, k);
 }
 
+/* Makes the caller's flags of obstacles as the words `in` [n_obstacles] say, or
+ * 0 where in is NULL, and the settings that follow from them. */
 static void commit_obstacles(struct world *w, const uint8_t *in)
 {
     uint64_t targeted = 0;

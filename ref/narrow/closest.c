@@ -231,8 +231,8 @@ bool closest_point_normal(const struct places *s,
     return found;
 }
 
-/* Whether a triangle of the one-ring of f.v[0], whose other vertices are rim,
- * is `face`. */
+/* Whether a triangle of the one-ring of f.v[0], with these other vertices, is
+ * `face`. */
 static bool is_face(const int32_t opposite[2], const int32_t face[3])
 {
     for (int j = 0; j < 2; j++)

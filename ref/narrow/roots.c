@@ -124,8 +124,10 @@ int chains_make(struct big_arena *m, const struct poly *p, struct chain c[2])
     return 1;
 }
 
-static void stand_of(struct big_arena *m, const struct chain *c,
-                     const struct point *p, struct stand s[2])
+/* The positions of the points of p, one or two, among the chain's roots, from
+ * the signs of the chain's polynomials at them. */
+static void find_stand(struct big_arena *m, const struct chain *c,
+                       const struct point *p, struct stand s[2])
 {
     int sign[4][2] = {{0}};
     point_sign(m, &c->p, p, sign[0]);
@@ -160,7 +162,7 @@ static int octave_of(struct big_arena *m, const struct chain *c, int i,
         int mark = m->used, mid = lo + (hi - lo) / 2;
         struct point p = point_power(m, mid);
         struct stand s[2];
-        stand_of(m, c, &p, s);
+        find_stand(m, c, &p, s);
         m->used = mark;
         if (s->count < i)
             lo = mid;
@@ -181,7 +183,7 @@ void root_locate(struct big_arena *m, struct chain *c, int i, struct root *r)
         struct stand s[2];
         uint32_t mid = lo + (hi - lo) / 2;
         struct point p = point_grid(m, mid);
-        stand_of(m, c, &p, s);
+        find_stand(m, c, &p, s);
         m->used = mark;
         if (s->count < i) {
             lo = mid;
@@ -210,7 +212,7 @@ static void count_variations(struct big_arena *m, const struct poly *f,
         bool mixed = q.c[0].sign * q.c[2].sign < 0;
         t->n = mixed ? 1 : q.c[1].sign * q.c[2].sign < 0 ? 2 : 0;
         if (t->n)
-            stand_of(m, c, &p, t->s);
+            find_stand(m, c, &p, t->s);
         if (t->n == 1)
             t->s[0] = t->s[1];
         return;
@@ -224,7 +226,7 @@ static void count_variations(struct big_arena *m, const struct poly *f,
     bool up = q.c[1].sign > 0;
     p = (struct point){NULL, up ? big_negate(q.c[0]) : q.c[0],
                        up ? q.c[1] : big_negate(q.c[1]), 0};
-    stand_of(m, c, &p, t->s);
+    find_stand(m, c, &p, t->s);
     t->n = 1;
 }
 

@@ -85,6 +85,7 @@ static bool has_slice_left(const struct world *w, const struct step *s)
            !(s->all->outcome & DRAPE_DIVERGED);
 }
 
+/* Begins a slice: obstacles and pins take their places at its end. */
 static void place_prescribed(struct world *w, struct step *s)
 {
     memset(&s->r, 0, sizeof s->r);
