@@ -190,7 +190,7 @@ $(BUILD)/speed.inc: $(SPEEDS) Makefile
 	@for f in $(SPEEDS); do sed '1d;s/.*/"&\\n"/' $$f; done >$@
 $(BUILD)/app/speed.o: $(BUILD)/speed.inc
 FORCE:
-$(BUILD)/gpu/run/absent.o $(BUILD)/gpu/run/emulate.o $(BUILD)/cuda/gpu/run/device.o: \
+$(BUILD)/gpu/api/absent.o $(BUILD)/gpu/run/emulate.o $(BUILD)/cuda/gpu/run/device.o: \
     $(BUILD)/certificate.h
 $(ROOT)/oracle/%.o: oracle/%.c
 	@mkdir -p $(@D)
@@ -199,7 +199,7 @@ $(ROOT)/oracle/%.o: oracle/%.cpp
 	@mkdir -p $(@D)
 	$(CXX17) -c $< -o $@
 
-$(INSIDE): $(REF_O) $(if $(GPU),$(CUDA_O),$(BUILD)/gpu/run/absent.o)
+$(INSIDE): $(REF_O) $(if $(GPU),$(CUDA_O),$(BUILD)/gpu/api/absent.o)
 	@rm -f $@
 	$(call show,AR $@)$(AR) rcs $@ $^
 # A program that embeds drape may have functions of the same names, so the

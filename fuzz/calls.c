@@ -121,9 +121,9 @@ static const struct call {
              {"drape_set_obstacle_device", play_obstacle_device},
              {"drape_contacts_device", play_contacts_device},
              {"drape_clock", play_clock},
-             {"drape_read_material", play_told_material},
-             {"drape_read_wind", play_told_wind},
-             {"drape_read_gravity", play_told_gravity}};
+             {"drape_read_material", play_set_material},
+             {"drape_read_wind", play_set_wind},
+             {"drape_read_gravity", play_set_gravity}};
 enum { CALLS = sizeof calls / sizeof *calls };
 
 /* Makes calls drawn from the input; every other call is `often`. */

@@ -206,7 +206,7 @@ static const char *set_pins(struct play *p, bool device)
         status[k] = device ? drape_set_pins_device(p->world[k], cloth, n, list,
                                                    told ? copy : NULL)
                            : drape_set_pins(p->world[k], cloth, n, list, to);
-    p->s.led = p->s.led || status[0] == DRAPE_OK;
+    p->s.prescribed = p->s.prescribed || status[0] == DRAPE_OK;
     const char *failed = play_judge(p, status, out);
     free(copy);
     return failed;
@@ -248,7 +248,7 @@ static const char *set_obstacle(struct play *p, bool device)
                         ? drape_set_obstacle_device(p->world[k], which, copy)
                         : drape_set_obstacle(p->world[k], which, to + first);
     free(x);
-    p->s.led = p->s.led || status[0] == DRAPE_OK;
+    p->s.prescribed = p->s.prescribed || status[0] == DRAPE_OK;
     const char *failed = play_judge(p, status, out);
     free(copy);
     return failed;

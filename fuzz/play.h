@@ -28,8 +28,7 @@ typedef const char *play_call(struct play *p);
 play_call play_step, play_again;
 /* fuzz/reads.c */
 play_call play_read, play_triangles, play_first, play_borrow, play_plan,
-    play_count, play_clock, play_told_material, play_told_wind,
-    play_told_gravity;
+    play_count, play_clock, play_set_material, play_set_wind, play_set_gravity;
 /* fuzz/live.c */
 play_call play_gravity, play_material, play_positions, play_velocities,
     play_pins, play_obstacle, play_contacts, play_log, play_positions_device,

@@ -128,7 +128,7 @@ static bool within(double a, double lo, double hi)
 }
 
 /* Both backends tell the same of a cloth, within drape.h's ranges. */
-const char *play_told_material(struct play *p)
+const char *play_set_material(struct play *p)
 {
     int n = p->s.def.n_cloths;
     int cloth =
@@ -148,7 +148,7 @@ const char *play_told_material(struct play *p)
     return play_unchanged(p);
 }
 
-const char *play_told_wind(struct play *p)
+const char *play_set_wind(struct play *p)
 {
     drape_wind wind[2];
     memset(wind, 0, sizeof wind);
@@ -162,7 +162,7 @@ const char *play_told_wind(struct play *p)
     return play_unchanged(p);
 }
 
-const char *play_told_gravity(struct play *p)
+const char *play_set_gravity(struct play *p)
 {
     double g[2][3] = {{0}};
     for (int k = 0; k < 2 && p->world[k]; k++)

@@ -227,7 +227,7 @@ const char *small_state(const struct small *s, const drape_world *world)
     for (int64_t k = 0; k < 3 * now.nv && !failed; k++)
         if (!isfinite(now.x[k / 3][k % 3]) || !isfinite(now.v[k / 3][k % 3]))
             failed = "a state is not finite";
-    if (!failed && !s->led)
+    if (!failed && !s->prescribed)
         failed = look_at_rest(s, world, &now);
     state_free(&now);
     return failed;

@@ -24,8 +24,8 @@ struct small {
     double velocity[SMALL_CLOTHS][SMALL_SIDE * SMALL_SIDE][3];
     uint8_t hole[SMALL_SIDE * SMALL_SIDE], cut[SMALL_SIDE * SMALL_SIDE];
     double box_x[8][3], ground_x[4][3], frame[2][4][3];
-    bool led; /* set by callers that lead pins or obstacles: what the definition
-                 holds at rest may move */
+    bool prescribed; /* set by callers that move pins or obstacles: what the
+                 definition holds at rest may move */
     struct bank host, device;
 };
 

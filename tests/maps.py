@@ -383,6 +383,58 @@ def includes(texts):
     return found
 
 
+# The rooms of ref/ and gpu/, each of which includes only itself and rooms before it.
+# Rooms on one line are one: `run` is what a device adds to `base`, and `compare` a
+# second solver.
+ORDER = (("base", "run"), ("cloth",), ("solve", "compare"), ("broad",), ("narrow",),
+         ("contact",), ("momentum",), ("sleep",), ("world",), ("control",), ("api",))
+RANK = {room: k for k, rooms in enumerate(ORDER) for room in rooms}
+# What still reaches up, and so takes more than it uses.
+REACH_UP = """
+gpu/cloth/rate.cuh gpu/solve/edges.cuh
+gpu/cloth/sheet.h ref/world/sheet.h
+gpu/solve/joint.cu gpu/contact/joint.h
+gpu/solve/joint.cu gpu/contact/links.cuh
+ref/contact/kept.c ref/sleep/rest.h
+ref/contact/kept.c ref/world/state.h
+ref/contact/lagrange.c ref/sleep/sleep.h
+ref/contact/lagrange.c ref/world/state.h
+ref/contact/unknowns.c ref/world/state.h
+ref/momentum/conserve.c ref/world/state.h
+ref/sleep/rest.h ref/world/state.h
+ref/sleep/sleep.c ref/world/slice.h
+ref/solve/joint.c ref/sleep/sleep.h
+ref/solve/joint.c ref/world/state.h
+ref/solve/joint.h ref/contact/coulomb.h
+ref/world/checkpoint.c ref/control/control.h
+ref/world/step.c ref/control/control.h
+"""
+
+
+def reaches_up(texts):
+    """(file, header) of ref/ and gpu/ where the header is of a room above."""
+    found = []
+    for path, named in includes(texts).items():
+        room = path.split("/")[1] if path.startswith(("ref/", "gpu/")) else ""
+        for name in named if room else ():
+            other = name.split("/")[1] if name.startswith(("ref/", "gpu/")) else room
+            if RANK.get(other, len(ORDER)) > RANK.get(room, -1) or room not in RANK:
+                found.append((path, name))
+    return found
+
+
+def check_order(texts):
+    """No file includes a header of a room above it but those that are listed, and
+    each that is listed does."""
+    up = reaches_up(texts)
+    listed = [tuple(line.split()) for line in REACH_UP.strip().splitlines()]
+    seen = sum(path.startswith(("ref/", "gpu/")) for path in includes(texts))
+    return seen, [f"{path} reaches up to {name}" for path, name in sorted(up)
+                  if (path, name) not in listed] + [
+        f"tests/maps.py: {path} no longer reaches up to {name}"
+        for path, name in listed if (path, name) not in up]
+
+
 def check_circles(texts):
     """A header and the source of its name are one file here: no such files
     include each other in a circle. A header without a source is nobody's."""
@@ -528,7 +580,7 @@ def check_commands(texts):
 
 
 CHECKS = (check_diagram, check_flow, check_stages, check_files, check_citations, check_rooms,
-          check_circles, check_headers, check_banners, check_numbers,
+          check_order, check_circles, check_headers, check_banners, check_numbers,
           check_equivalents, check_targets, check_constants, check_commands)
 
 
@@ -550,7 +602,7 @@ def planted(texts):
     for old, new in (("dv   ", "dw   "), ("→ toi tier [n]", "→ toi tier [nv]"),
                      ("→ toi tier [n]", "→ toi pair [n]"), ("u rest=b", "u rest=r"),
                      ("conserve     moments", "near         moments"),
-                     ("( front )", "( fronts )"), ("lead  move", "leads  move")):
+                     ("( front )", "( fronts )"), ("prescribe  move", "prescribes  move")):
         yield check_flow, edit("spec/README.md", old, new)
     for name in ("spin", "sum"):
         yield check_flow, edit("spec/README.md", re.search(
@@ -576,6 +628,10 @@ def planted(texts):
     yield check_citations, edit(page, "\n1. ", "\n7. ")
     yield check_rooms, {f"ref/cloth/more{k}.c": "" for k in range(MOST_FILES)}
     yield check_circles, add("ref/base/keys.c", '#include "ref/contact/impulses.h"\n')
+    for path, name in (("ref/base/keys.c", "ref/cloth/cloth.h"),
+                       ("gpu/solve/pcg.cuh", "ref/world/state.h")):
+        yield check_order, add(path, f'#include "{name}"\n')
+    yield check_order, edit("ref/solve/joint.c", '#include "ref/world/state.h"\n', "")
     yield check_headers, {"gpu/cloth/more.cu": "".join(
         f'#include "ref/more{k}.h"\n' for k in range(MOST_HEADERS + 1)),
         **{f"ref/more{k}.h": "" for k in range(MOST_HEADERS + 1)}}
@@ -583,10 +639,10 @@ def planted(texts):
     yield check_numbers, add(home, "/* As 31_response §2 says. */\n")
     yield check_numbers, add(page, "\nSee 31 §2.\n")
     thin = "real_min(real_abs(a), most)"
-    yield check_equivalents, edit("ref/base/thin.h", thin, thin.replace("(a)", "(b)"))
+    yield check_equivalents, edit("ref/base/packed.h", thin, thin.replace("(a)", "(b)"))
     yield check_equivalents, add("ci/mutants.equivalent", f"{home} | x | y | z\n")
     yield check_targets, add("spec/drape.h", "int drape_more(int many);\n")
-    yield check_constants, edit("ref/contact/carry.c", "LEAST / y", "R(30.0) / y")
+    yield check_constants, edit("ref/world/slice.c", "CELLS * w->cell", "4 * w->cell")
     yield check_constants, edit("ref/sleep/sleep.c", "* DRIFT *", "* 1e-3 *")
     yield check_commands, edit("README.md", "&& make demo", "&& make")
     yield check_commands, edit(".ci/run", "'make check'", "'make -k check'")

@@ -7,8 +7,8 @@
 
 #include "gpu/base/cluster.cuh"
 
-/* An mbarrier for a number of copies that are made together, in turns. One
- * thread calls bulk_open before a barrier of the block. In each turn as many
+/* An mbarrier for a number of copies that are made together, in rounds. One
+ * thread calls bulk_open before a barrier of the block. In each round as many
  * threads call bulk_ask, each for one copy (addresses and bytes are multiples
  * of 16; bytes may be 0), and all threads of the block call bulk_wait. On a
  * device without bulk copies bulk_ask copies at once, and the caller's barrier
@@ -46,7 +46,7 @@ static __device__ inline void bulk_ask(bulk *b, void *to, const void *from,
             : "memory");
 }
 
-static __device__ inline void bulk_wait(bulk *b, int turn)
+static __device__ inline void bulk_wait(bulk *b, int round)
 {
     unsigned done = 0;
     while (!done)
@@ -56,7 +56,7 @@ static __device__ inline void bulk_wait(bulk *b, int turn)
                      "selp.u32 %0, 1, 0, p;\n"
                      "}"
                      : "=r"(done)
-                     : "r"(shared_at(b)), "r"(turn % 2)
+                     : "r"(shared_at(b)), "r"(round % 2)
                      : "memory");
 }
 #elif defined __CUDACC__
@@ -81,11 +81,11 @@ static inline void bulk_ask(bulk *b, void *to, const void *from, int bytes)
     emulate_copy(to, from, (size_t)bytes);
 }
 
-/* The copies of all turns are made here, as late as is allowed. */
-static inline void bulk_wait(bulk *b, int turn)
+/* The copies of all rounds are made here, as late as is allowed. */
+static inline void bulk_wait(bulk *b, int round)
 {
     (void)b;
-    (void)turn;
+    (void)round;
     emulate_copies_group();
     emulate_copies_end(0);
     emulate_meet();

@@ -43,7 +43,7 @@ static __device__ inline uint32_t block_scan(int t, uint32_t count,
 }
 
 /* Turns the counts [n] of blocks into the place where each block begins. All
- * threads of one block of SCAN_BLOCK must call it. The counts that one turn of
+ * threads of one block of SCAN_BLOCK must call it. The counts that one pass of
  * the loop adds up must stay below 2^32. */
 static __device__ inline void scan_blocks(int64_t *sum, int64_t n)
 {

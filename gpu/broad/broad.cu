@@ -92,8 +92,8 @@ static void copy_tree(struct gpu *g, struct tree *t, struct tree_map *map)
     take_copy(g, ARENA_TREE, &t->order, t->n_tri);
     take_copy(g, ARENA_TREE, &t->tri, t->n_tri);
     take_copy(g, ARENA_TREE, &t->own, t->n_tri);
-    take_copy(g, ARENA_TREE, &t->fan.start, t->fan.n_start);
-    take_copy(g, ARENA_TREE, &t->fan.rim, t->fan.n_rim);
+    take_copy(g, ARENA_TREE, &t->one_rings.start, t->one_rings.n_start);
+    take_copy(g, ARENA_TREE, &t->one_rings.opposite, t->one_rings.n_opposite);
     take_copy(g, ARENA_TREE, &t->place, t->n_cloth);
     take_copy(g, ARENA_TREE, &t->range, t->n_range);
     take_copy(g, ARENA_TREE, &map->grid, map->n_grid);
@@ -331,8 +331,8 @@ static void drop(struct gpu *g, struct broad *b)
     b->n_front = 0;
 }
 
-int gpu_broad_whole_apart(struct gpu *g, struct broad *b, const vec *x0,
-                          const vec *x1, real r, bool *apart)
+int gpu_broad_meshes_apart(struct gpu *g, struct broad *b, const vec *x0,
+                           const vec *x1, real r, bool *apart)
 {
     struct extent s = {};
     s.nv = b->nv;
@@ -343,12 +343,12 @@ int gpu_broad_whole_apart(struct gpu *g, struct broad *b, const vec *x0,
     *apart = false;
     if (!b->apart.able)
         return DRAPE_OK;
-    size_t bytes = (size_t)s.n_grid * sizeof *s.whole;
-    s.whole =
-        (struct whole *)gpu_scratch(g, SLOT_STAGE, s.n_grid, sizeof *s.whole);
-    int status = s.whole ? gpu_extent(g, &s) : gpu_status(g);
-    gpu_trace(g, b->trace, "extent", s.whole, bytes);
-    gpu_down(g, b->apart.whole, s.whole, bytes);
+    size_t bytes = (size_t)s.n_grid * sizeof *s.bounds;
+    s.bounds = (struct mesh_bounds *)gpu_scratch(g, SLOT_STAGE, s.n_grid,
+                                                 sizeof *s.bounds);
+    int status = s.bounds ? gpu_extent(g, &s) : gpu_status(g);
+    gpu_trace(g, b->trace, "extent", s.bounds, bytes);
+    gpu_down(g, b->apart.bounds, s.bounds, bytes);
     if (status == DRAPE_OK)
         status = gpu_status(g);
     *apart = status == DRAPE_OK && apart_all(&b->apart, r);

@@ -91,11 +91,11 @@ static __device__ inline bool cleared(const struct tree *t,
     }
     /* The bit is stored with the southern node or, in one row, with the western
      * node. */
-    bool turn = dj < 0 || (dj == 0 && di < 0);
-    if (turn)
+    bool swapped = dj < 0 || (dj == 0 && di < 0);
+    if (swapped)
         di = -di;
     int bit = dj == 0 ? (di ? CLEAR_E : CLEAR_SELF) : CLEAR_N - di;
-    return clear[turn ? e.b : e.a] >> bit & 1;
+    return clear[swapped ? e.b : e.a] >> bit & 1;
 }
 
 template <class BOX>

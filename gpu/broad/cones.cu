@@ -19,7 +19,7 @@ enum { TOP_BLOCK = 64 };
 /* §2: bounds of tangents, from the leaves up. */
 
 /* Bounds the four edges of the cell with corner v, at one end of the step. */
-static __device__ struct tangents edges(const vec *x, int32_t v, int32_t m)
+static __device__ struct tangents cell_edges(const vec *x, int32_t v, int32_t m)
 {
     vec a = x[v], b = x[v + 1], c = x[v + m], d = x[v + m + 1];
     vec u0 = sub(b, a), u1 = sub(d, c), v0 = sub(c, a), v1 = sub(d, b);
@@ -28,12 +28,12 @@ static __device__ struct tangents edges(const vec *x, int32_t v, int32_t m)
     return t;
 }
 
-static __device__ struct tangents cell(const struct cones *s, int32_t a)
+static __device__ struct tangents bound_cell(const struct cones *s, int32_t a)
 {
     const struct tree_grid *g = &s->map.grid[s->tree.mesh[a]];
     int32_t i = s->tree.place[a] & 0xffff, j = s->tree.place[a] >> 16;
     int32_t v = g->base + i + g->m * j;
-    return join(edges(s->x0, v, g->m), edges(s->x1, v, g->m));
+    return join(cell_edges(s->x0, v, g->m), cell_edges(s->x1, v, g->m));
 }
 
 static __device__ struct tangents *inner(const struct cones *s, int32_t a)
@@ -46,10 +46,10 @@ static __device__ struct tangents *inner(const struct cones *s, int32_t a)
 static __device__ struct tangents tangents_of(const struct cones *s, int l,
                                               int32_t a)
 {
-    return l ? fetch_as<word16>(inner(s, a)) : cell(s, a);
+    return l ? fetch_as<word16>(inner(s, a)) : bound_cell(s, a);
 }
 
-static __device__ void fit(const struct cones *s, int l, int32_t a)
+static __device__ void fit_node(const struct cones *s, int l, int32_t a)
 {
     if (!s->map.full[a] || !s->stir[a])
         return;
@@ -82,8 +82,8 @@ static __device__ struct spot spot_of(const struct cones *s, int32_t a)
 }
 
 /* Returns the node at offset (di, dj) from the spot on its level, or -1. */
-static __device__ int32_t beside(const struct cones *s, const struct spot *p,
-                                 int di, int dj)
+static __device__ int32_t find_neighbour(const struct cones *s,
+                                         const struct spot *p, int di, int dj)
 {
     int i = p->i + di, j = p->j + dj;
     if (i < 0 || j < 0 || i >= p->w || j >= p->h)
@@ -101,7 +101,7 @@ static __device__ bool patch_spread(const struct cones *s, int32_t a,
     for (int k = 1; k < 4; k++) {
         if ((k & 1 && !di) || (k & 2 && !dj))
             continue;
-        int32_t c = beside(s, p, k & 1 ? di : 0, k & 2 ? dj : 0);
+        int32_t c = find_neighbour(s, p, k & 1 ? di : 0, k & 2 ? dj : 0);
         if (c < 0 || !s->map.full[c])
             return false;
         b = join(b, tangents_of(s, p->l, c));
@@ -111,21 +111,23 @@ static __device__ bool patch_spread(const struct cones *s, int32_t a,
 
 /* Node a and its neighbour b in the direction of bit k; b is -1 where there is
  * no neighbour. */
-struct near {
+struct neighbour {
     struct spot p;
     int di, dj;
     struct duo e;
 };
 
-static __device__ struct near near_of(const struct cones *s, int32_t a, int k)
+static __device__ struct neighbour neighbour_of(const struct cones *s,
+                                                int32_t a, int k)
 {
     /* directions (0,0) (1,0) (1,1) (0,1) (-1,1) */
     int dj = k >= CLEAR_NE, di = k ? (dj ? CLEAR_N - k : 1) : 0;
     struct spot p = spot_of(s, a);
-    return near{p, di, dj, {a, beside(s, &p, di, dj)}};
+    return neighbour{p, di, dj, {a, find_neighbour(s, &p, di, dj)}};
 }
 
-static __device__ bool spread_near(const struct cones *s, const struct near *n)
+static __device__ bool spread_neighbour(const struct cones *s,
+                                        const struct neighbour *n)
 {
     return s->map.full[n->e.a] && patch_spread(s, n->e.a, &n->p, n->di, n->dj);
 }
@@ -148,31 +150,32 @@ static __device__ bool kept(const struct cones *s, struct duo e, int k)
 
 /* §5: a pair of neighbours is clear if the pair of parents is, or by the test
  * of §4. */
-static __device__ bool clear_near(const struct cones *s, int32_t a, int k)
+static __device__ bool clear_neighbour(const struct cones *s, int32_t a, int k)
 {
-    struct near n = near_of(s, a, k);
+    struct neighbour n = neighbour_of(s, a, k);
     if (n.e.b < 0)
         return false;
     if (!stirs(s, n.e))
         return kept(s, n.e, k);
     struct duo up = above(&s->tree, n.e);
-    return (up.a >= 0 && cleared(&s->tree, s->clear, up)) || spread_near(s, &n);
+    return (up.a >= 0 && cleared(&s->tree, s->clear, up)) ||
+           spread_neighbour(s, &n);
 }
 
 /* Returns the bit by §4 alone, or the kept bit (§6). */
 static __device__ bool clear_alone(const struct cones *s, int32_t a, int k)
 {
-    struct near n = near_of(s, a, k);
+    struct neighbour n = neighbour_of(s, a, k);
     if (n.e.b < 0)
         return false;
-    return stirs(s, n.e) ? spread_near(s, &n) : kept(s, n.e, k);
+    return stirs(s, n.e) ? spread_neighbour(s, &n) : kept(s, n.e, k);
 }
 
 /* Returns the bit by §5: whether some pair above is clear. The `clear` bits of
  * the pairs above must hold at least the result of §4. */
 static __device__ bool clear_above(const struct cones *s, int32_t a, int k)
 {
-    struct duo e = near_of(s, a, k).e;
+    struct duo e = neighbour_of(s, a, k).e;
     if (e.b < 0 || !stirs(s, e))
         return false;
     bool found = false;
@@ -197,7 +200,7 @@ static __device__ uint8_t joined(const uint8_t *bit)
 KERNEL cones_level_kernel(const struct cones &s, int l)
 {
     EACH_NODE(a, s.tree, 1, l)
-    fit(&s, l, a);
+    fit_node(&s, l, a);
 }
 
 /* Each thread owns a bit of nodes of level l in a grid-stride loop; the first
@@ -212,7 +215,7 @@ KERNEL cones_mark_kernel(const struct cones &s, int l)
          level_node(&s.tree, 1, l, first) >= 0;
          first += (int64_t)gridDim.x * NODES) {
         int64_t a = level_node(&s.tree, 1, l, first + t / BITS);
-        bit[t] = a >= 0 && clear_near(&s, (int32_t)a, t % BITS);
+        bit[t] = a >= 0 && clear_neighbour(&s, (int32_t)a, t % BITS);
         __syncthreads();
         a = level_node(&s.tree, 1, l, first + t);
         if (t < NODES && a >= 0)
@@ -225,7 +228,7 @@ KERNEL cones_mark_kernel(const struct cones &s, int l)
  * by §4 alone, then by walking up (§5). In the second phase a bit that is read
  * may already be final, which does not change the result. The bits of a node
  * are joined in memory that no other block reads. */
-static __device__ void mark_top(const struct cones *s, int l, bool whole)
+static __device__ void mark_top(const struct cones *s, int l, bool entire)
 {
     uint8_t *bit = (uint8_t *)cluster_shared();
     int t = rank_thread(), nodes = rank_threads() / BITS;
@@ -233,12 +236,12 @@ static __device__ void mark_top(const struct cones *s, int l, bool whole)
     for (int64_t all = s->tree.range[l]; all < end; all += step) {
         int64_t first = all + group_rank() * nodes, a = first + t / BITS;
         if (t < BITS * nodes && a < end)
-            bit[t] = whole ? clear_above(s, (int32_t)a, t % BITS)
-                           : clear_alone(s, (int32_t)a, t % BITS);
-        cluster_sync(!whole);
+            bit[t] = entire ? clear_above(s, (int32_t)a, t % BITS)
+                            : clear_alone(s, (int32_t)a, t % BITS);
+        cluster_sync(!entire);
         a = first + t;
         if (t < nodes && a < end)
-            s->clear[a] = joined(bit + BITS * t) | (whole ? s->clear[a] : 0);
+            s->clear[a] = joined(bit + BITS * t) | (entire ? s->clear[a] : 0);
         cluster_sync(false);
     }
 }
@@ -249,7 +252,7 @@ KERNEL cones_top_kernel(const struct cones &s, int l)
 {
     for (int k = l; k < s.tree.levels; k++) {
         EACH_NODE(a, s.tree, 1, k)
-        fit(&s, k, a);
+        fit_node(&s, k, a);
         cluster_sync(false);
     }
     mark_top(&s, l, false);

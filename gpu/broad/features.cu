@@ -51,12 +51,13 @@ static __device__ side<BOX> side_of(const struct features *s, int32_t t)
     return f;
 }
 
-static __device__ bool has(const struct corners &f, int32_t v)
+static __device__ bool has_vertex(const struct corners &f, int32_t v)
 {
     return f.v[0] == v || f.v[1] == v || f.v[2] == v;
 }
 
-static __device__ bool moves(const struct features *s, int32_t a, int32_t b)
+static __device__ bool pair_moves(const struct features *s, int32_t a,
+                                  int32_t b)
 {
     return s->n_moved == 0 || (s->moved[a] | s->moved[b]);
 }
@@ -71,9 +72,9 @@ static __device__ uint32_t test_vertices(const struct features *s, real reach,
     UNROLL
     for (int k = 0; k < 3; k++) {
         int32_t v = f.c.v[k];
-        if ((f.own >> k & 1) && !has(g.c, v) &&
+        if ((f.own >> k & 1) && !has_vertex(g.c, v) &&
             meets(f.vertex[k], g.face, reach) &&
-            (moves(s, v, g.c.v[0]) || moves(s, g.c.v[1], g.c.v[2])))
+            (pair_moves(s, v, g.c.v[0]) || pair_moves(s, g.c.v[1], g.c.v[2])))
             mask |= 1u << k;
     }
     return mask;
@@ -93,7 +94,7 @@ static __device__ uint32_t test_edge(const struct features *s, real reach,
         int32_t c = g.c.v[j], d = g.c.v[next];
         if ((g.own >> (3 + j) & 1) && a != c && a != d && b != c && b != d &&
             meets(e, join(g.vertex[j], g.vertex[next]), reach) &&
-            (moves(s, a, b) || moves(s, c, d)))
+            (pair_moves(s, a, b) || pair_moves(s, c, d)))
             mask |= 1u << j;
     }
     return mask;

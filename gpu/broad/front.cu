@@ -37,8 +37,8 @@ struct pass {
 
 /* §3a: replaces pair k by its highest failing ancestor, and chooses its
  * action. */
-static __device__ void climb(const struct front *s, const struct pass *p,
-                             int64_t k)
+static __device__ void climb_to_failing(const struct front *s,
+                                        const struct pass *p, int64_t k)
 {
     struct duo e = fetch_duo(&p->pair[k]);
     bool in = passes(&s->in, p->reach, e), moves = false;
@@ -57,8 +57,9 @@ static __device__ void climb(const struct front *s, const struct pass *p,
 /* Returns how many pairs replace pair k, which is e. Siblings that were
  * replaced by one ancestor follow each other; only the first of them is
  * kept. */
-static __device__ uint32_t becomes(const struct tree *t, const struct pass *p,
-                                   int64_t k, struct duo e, int act)
+static __device__ uint32_t count_successors(const struct tree *t,
+                                            const struct pass *p, int64_t k,
+                                            struct duo e, int act)
 {
     if (act == SPLIT)
         return (uint32_t)__popc(children(t, descent(t, e), e));
@@ -80,7 +81,7 @@ static __device__ uint32_t count(const struct front *s, const struct pass *p,
         act = action_of(s, passes(&s->in, p->reach, e), e);
         p->act[k] = (uint8_t)act;
     }
-    return becomes(&s->in.tree, p, k, e, act) | (uint32_t)fresh << 16;
+    return count_successors(&s->in.tree, p, k, e, act) | (uint32_t)fresh << 16;
 }
 
 /* Runs count() for a tile. Writes the tile's number of outputs to its sum, and
@@ -99,8 +100,8 @@ static __device__ void count_tile(const struct front *s, const struct pass *p,
 }
 
 /* Writes the pairs that replace those of a tile, from the tile's place on. */
-static __device__ void emit(const struct tree *t, const struct pass *p,
-                            int64_t tile)
+static __device__ void emit_successors(const struct tree *t,
+                                       const struct pass *p, int64_t tile)
 {
     int64_t k = tile * BVTT_BLOCK + rank_thread();
     struct duo e = {};
@@ -109,7 +110,7 @@ static __device__ void emit(const struct tree *t, const struct pass *p,
     if (rank_thread() < BVTT_BLOCK && k < p->n) {
         e = fetch_duo(&p->pair[k]);
         d = p->act[k] == SPLIT ? descent(t, e) : 0;
-        mask = d ? children(t, d, e) : becomes(t, p, k, e, KEEP);
+        mask = d ? children(t, d, e) : count_successors(t, p, k, e, KEEP);
     }
     int64_t at = p->tiles.place[tile] +
                  block_scan(rank_thread(), (uint32_t)__popc(mask), &total);
@@ -156,7 +157,7 @@ static __device__ int64_t settle(const struct front *s, struct pass *p)
         if (need > s->cap)
             return need;
         EACH_TILE(tile, blocks_of(p->n))
-        emit(&s->in.tree, p, tile);
+        emit_successors(&s->in.tree, p, tile);
         swap_streams(p);
         p->n = need;
         group_sync<GRID>();
@@ -167,7 +168,7 @@ template <int BLOCKS, bool GRID>
 KERNEL front_kernel(const struct front &s, struct pass p)
 {
     EACH_PAIR(k, p.n)
-    climb(&s, &p, k);
+    climb_to_failing(&s, &p, k);
     group_sync<GRID>();
     int64_t need = settle<GRID>(&s, &p);
     EACH_PAIR(k, p.pair != s.pair ? p.n : 0)

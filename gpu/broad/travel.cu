@@ -2,7 +2,7 @@
 /* Finds the largest relative motion of any candidate's primitives on the
  * device. spec/broad/travel.md */
 #include "gpu/base/largest.cuh"
-#include "gpu/contact/contact.cuh"
+#include "gpu/broad/pair.cuh"
 
 extern "C" {
 #include "ref/broad/travel.h"

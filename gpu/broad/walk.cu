@@ -146,21 +146,22 @@ static __device__ uint32_t test_triangles(const struct walk *s, real reach,
 
 /* Runs look_triangles for a tile of pairs of leaves; SHARE threads share a
  * pair. */
-template <class BOX, int SHARE>
+template <class BOX, int THREADS_EACH>
 static __device__ void test_leaves(const struct walk *s, const struct pass *p,
                                    real reach, int64_t tile)
 {
-    enum { EACH = FOURS / SHARE };
+    enum { EACH = FOURS / THREADS_EACH };
     __shared__ struct work w;
     int t = rank_thread();
     begin(&w);
     __syncthreads();
-    for (int i = t / SHARE; i < BVTT_BLOCK; i += rank_threads() / SHARE) {
+    for (int i = t / THREADS_EACH; i < BVTT_BLOCK;
+         i += rank_threads() / THREADS_EACH) {
         int64_t k = tile * BVTT_BLOCK + i;
         if (k >= p->n)
             break;
         uint32_t mask = test_triangles<BOX, EACH>(
-            s, reach, fetch_duo(&p->from[k]), t % SHARE * EACH);
+            s, reach, fetch_duo(&p->from[k]), t % THREADS_EACH * EACH);
         if (mask)
             atomicOr(&w.mask[i], mask);
     }
@@ -170,14 +171,14 @@ static __device__ void test_leaves(const struct walk *s, const struct pass *p,
 
 /* Writes the children that a tile's masks name, or their triangles, from the
  * tile's place on; SHARE threads share an item. */
-template <int SHARE>
+template <int THREADS_EACH>
 static __device__ void emit(const struct walk *s, const struct pass *p,
                             int64_t tile, bool triangles)
 {
-    enum { EACH = KIDS / SHARE };
+    enum { EACH = KIDS / THREADS_EACH };
     __shared__ uint32_t before[BVTT_BLOCK];
     const struct tree *tree = &s->in.tree;
-    int t = rank_thread(), c = t % SHARE * EACH;
+    int t = rank_thread(), c = t % THREADS_EACH * EACH;
     int64_t first = tile * BVTT_BLOCK;
     bool there = t < BVTT_BLOCK && first + t < p->n;
     uint32_t total, own = there ? (uint32_t)__popc(s->mask[first + t]) : 0;
@@ -185,7 +186,8 @@ static __device__ void emit(const struct walk *s, const struct pass *p,
     if (t < BVTT_BLOCK)
         before[t] = own;
     __syncthreads();
-    for (int i = t / SHARE; i < BVTT_BLOCK; i += rank_threads() / SHARE) {
+    for (int i = t / THREADS_EACH; i < BVTT_BLOCK;
+         i += rank_threads() / THREADS_EACH) {
         uint32_t mask = first + i < p->n ? s->mask[first + i] : 0;
         uint32_t mine = mask >> c & ((1u << EACH) - 1);
         if (!mine)
@@ -206,21 +208,21 @@ static __device__ void emit(const struct walk *s, const struct pass *p,
 
 /* Finishes a pass whose counts are complete: scans them and writes the outputs
  * if the capacity suffices. Returns the number of outputs. */
-template <int SHARE, bool GRID>
+template <int THREADS_EACH, bool GRID>
 static __device__ int64_t finish(const struct walk *s, const struct pass *p,
                                  int64_t cap, bool triangles)
 {
     group_sync<GRID>();
     int64_t need = place_tiles(&p->tiles, blocks_of(p->n));
     EACH_TILE(tile, need <= cap ? blocks_of(p->n) : 0)
-    emit<SHARE>(s, p, tile, triangles);
+    emit<THREADS_EACH>(s, p, tile, triangles);
     return need;
 }
 
 /* §1: makes passes until all pairs are leaves or the capacity is too small. The
  * counters in words are visible after the first barrier of a pass. Returns the
  * largest number of pairs that a pass made. */
-template <class BOX, int SHARE, bool GRID>
+template <class BOX, int THREADS_EACH, bool GRID>
 static __device__ int64_t go_down(const struct walk *s, struct pass *p,
                                   real reach, int64_t *visited)
 {
@@ -228,7 +230,7 @@ static __device__ int64_t go_down(const struct walk *s, struct pass *p,
     for (bool last = false; !last && need <= s->cap;) {
         EACH_TILE(tile, blocks_of(p->n))
         test_children<BOX>(s, p, reach, tile);
-        int64_t made = finish<SHARE, GRID>(s, p, s->cap, false);
+        int64_t made = finish<THREADS_EACH, GRID>(s, p, s->cap, false);
         last = p->word[WORD_DEEPER] == deeper;
         deeper = p->word[WORD_DEEPER];
         *visited += p->n;
@@ -246,14 +248,14 @@ static __device__ int64_t go_down(const struct walk *s, struct pass *p,
 template <class BOX, int BLOCKS, bool GRID>
 static __device__ void run(const struct walk &s, struct pass p, real reach)
 {
-    enum { SHARE = BLOCKS > 1 ? 1 : FOURS };
+    enum { THREADS_EACH = BLOCKS > 1 ? 1 : FOURS };
     int64_t visited = 0, triangles = 0;
-    int64_t need = go_down<BOX, SHARE, GRID>(&s, &p, reach, &visited);
+    int64_t need = go_down<BOX, THREADS_EACH, GRID>(&s, &p, reach, &visited);
     if (need <= s.cap) {
         p.to = s.tri;
         EACH_TILE(tile, blocks_of(p.n))
-        test_leaves<BOX, SHARE>(&s, &p, reach, tile);
-        triangles = finish<SHARE, GRID>(&s, &p, s.cap_tri, true);
+        test_leaves<BOX, THREADS_EACH>(&s, &p, reach, tile);
+        triangles = finish<THREADS_EACH, GRID>(&s, &p, s.cap_tri, true);
     }
     if (group_rank() == 0 && rank_thread() == 0) {
         p.word[WORD_NEED] = need;

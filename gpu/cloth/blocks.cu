@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Computes the 3 × 3 block of each pair of particles that a spring or a triple
  * couples. spec/cloth/blocks.md */
-#include "gpu/base/thin.cuh"
+#include "gpu/base/packed.cuh"
 #include "gpu/cloth/cloth.cuh"
 #include "gpu/cloth/rate.cuh"
 
@@ -20,9 +20,9 @@ struct parts {
 
 /* §8: the direction of a spring whose ends are d apart, l = |d|, half way
  * through the predicted motion, in which they move apart by 2·way. */
-static __device__ vec direction(vec d, real l, vec way)
+static __device__ vec spring_direction(vec d, real l, vec way)
 {
-    real size = length(way), most = R(BLOCKS_TURN) * l;
+    real size = length(way), most = R(BLOCKS_ROTATION) * l;
     if (size > most)
         way = scale(most / size, way);
     vec e = add(d, way);
@@ -42,7 +42,7 @@ static __device__ struct parts spring_parts(const struct blocks *s, int o,
     real tau = s->tau, square = tau * tau;
     real a = tau * law->damp + square * spring_slope(law, s->piece, l);
     real b = square * max_of(spring_tension(law, s->piece, l) / l, R(0));
-    return parts{b, a - b, direction(d, l, scale(R(0.5) * tau, dq))};
+    return parts{b, a - b, spring_direction(d, l, scale(R(0.5) * tau, dq))};
 }
 
 /* §7: the spring's share of its block, and that of the triples that have their
@@ -52,9 +52,9 @@ static __device__ struct parts with_triples(const struct blocks *s, int o,
 {
     const real *triple = s->triple + CELL_MASKS * o;
     int here = s->beside[p], there = s->beside[q];
-    real share = share_of(o, here), square = s->tau * s->tau;
-    a.b = share * a.b + 2 * square * (triple[here] + triple[there]);
-    a.c *= share;
+    real fraction = spring_fraction(o, here), square = s->tau * s->tau;
+    a.b = fraction * a.b + 2 * square * (triple[here] + triple[there]);
+    a.c *= fraction;
     return a;
 }
 
@@ -99,8 +99,8 @@ KERNEL blocks_kernel(const struct blocks &a, struct rate *rate)
             b = parts_of(&a, o, p, x, q);
         struct rate r = rate_of(&b);
         s[t] = block_of(r);
-        if (a.n_thin && t < n)
-            a.thin[o * a.count + p] = thin_of(b.c, b.b, b.u);
+        if (a.n_packed && t < n)
+            a.packed[o * a.count + p] = packed_of(b.c, b.b, b.u);
         if (rate && t < n)
             rate[o * a.count + p] = r;
         __syncthreads();

@@ -25,7 +25,7 @@ static __host__ __device__ constexpr int forward_j(int o)
 
 /* §7: the share of a single spring's constant that belongs to the cells beside
  * it; cells: about its first particle. */
-static __device__ inline real share_of(int o, int cells)
+static __device__ inline real spring_fraction(int o, int cells)
 {
     int both = o == 0 ? 1 + 4 : 1 + 2;
     return o > 1 || (cells & both) == both ? R(1) : R(0.5);
@@ -144,7 +144,7 @@ static __device__ inline real spring_tension(const struct law *a,
     if (length > a->from)
         return spring_long(a, t, length);
     if (length >= a->knee) {
-        real k = length >= a->rest ? a->k : a->press;
+        real k = length >= a->rest ? a->k : a->compression;
         return k * (length - a->rest);
     }
     real s = spring_s(length / a->rest);
@@ -158,7 +158,7 @@ static __device__ inline real spring_slope(const struct law *a,
     if (length > a->from)
         return spring_long_slope(a, t, length);
     if (length >= a->knee)
-        return length >= a->rest ? a->k : a->press;
+        return length >= a->rest ? a->k : a->compression;
     real s = spring_s(length / a->rest), h = s - R(0.78125);
     real slope = (spring_p(h) / s - spring_dp(h)) / (2 * s * s);
     return a->bend * slope / a->rest;
@@ -172,7 +172,7 @@ static __device__ inline real spring_energy(const struct law *a,
     if (length > a->from)
         return spring_long_energy(a, t, length);
     if (length >= a->knee) {
-        real k = length >= a->rest ? a->k : a->press;
+        real k = length >= a->rest ? a->k : a->compression;
         return R(0.5) * k * d * d;
     }
     real h = spring_s(length / a->rest) - R(0.78125);

@@ -9,7 +9,7 @@ enum { KINDS = 3 };
 
 /* §1: the elastic energy of the forward springs of p. So each spring counts
  * once. */
-static __device__ real stretched(const struct energy *s, int p)
+static __device__ real stretch_energy(const struct energy *s, int p)
 {
     real e = 0;
     int mask = s->springs[p], cells = s->triples ? s->beside[p] : 0;
@@ -21,13 +21,13 @@ static __device__ real stretched(const struct energy *s, int p)
         int q = p + forward_i(o) + forward_j(o) * s->m;
         real l = length(sub(s->x[q], here));
         real one = spring_energy(&s->law[o], s->piece, l);
-        e += s->triples ? share_of(o, cells) * one : one;
+        e += s->triples ? spring_fraction(o, cells) * one : one;
     }
     return e;
 }
 
 /* §1: the energy of the triples that have their middle at p. */
-static __device__ real bent(const struct energy *s, int p)
+static __device__ real bend_energy(const struct energy *s, int p)
 {
     real e = 0;
     UNROLL
@@ -42,10 +42,10 @@ static __device__ real bent(const struct energy *s, int p)
     return e;
 }
 
-static __device__ real elastic(const struct energy *s, int p)
+static __device__ real elastic_energy(const struct energy *s, int p)
 {
-    real e = stretched(s, p);
-    return s->triples ? e + bent(s, p) : e;
+    real e = stretch_energy(s, p);
+    return s->triples ? e + bend_energy(s, p) : e;
 }
 
 /* Block k owns chunk k, one thread for each particle. The block that ends last
@@ -59,7 +59,7 @@ KERNEL energy_kernel(const struct energy &a, int64_t *word)
         real m = a.mass[p];
         vec v = a.v[p];
         value[0] = R(0.5) * m * dot(v, v);
-        value[1] = elastic(&a, p);
+        value[1] = elastic_energy(&a, p);
         value[2] = -m * dot(a.gravity, a.x[p]);
     }
     if (!grid_sums<KINDS>(value, a.chunk, (unsigned *)(word + KINDS), sum))

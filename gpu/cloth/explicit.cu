@@ -15,9 +15,9 @@ extern "C" {
 /* Substeps of one iteration of the device's loop. The number is even, so that
  * every iteration begins with the same streams. */
 #ifdef __CUDACC__
-enum { TURN = 32 };
+enum { UNROLLED = 32 };
 #else
-enum { TURN = 4 };
+enum { UNROLLED = 4 };
 #endif
 
 /* Positions and velocities at one point of a method. */
@@ -28,7 +28,7 @@ struct state {
 /* The current substep, of n: number k, or number k of the current iteration of
  * the device's loop. */
 struct moment {
-    int32_t k, n, turns;
+    int32_t k, n, iterations;
     const int32_t *left; /* device: iterations left, or NULL outside a loop */
 };
 
@@ -57,7 +57,8 @@ struct use {
  * pins end exactly at their targets. */
 static __host__ __device__ real place(struct moment m, double node)
 {
-    int32_t k = m.k + (m.left ? (m.turns - *m.left) * (int32_t)TURN : 0);
+    int32_t k =
+        m.k + (m.left ? (m.iterations - *m.left) * (int32_t)UNROLLED : 0);
     double n = m.n, start = k / n;
     double length = k + 1 < m.n ? (k + 1) / n - start : 1 - start;
     return (real)(start + node * length);
@@ -141,25 +142,25 @@ static void force(struct walk_on *w, struct state at, int n,
     springs_to<0>(w->g, &f, to);
 }
 
-static void euler(struct walk_on *w)
+static void step_euler(struct walk_on *w)
 {
-    struct use whole = {w->now, NULL, w->next, w->h, w->h, 1};
-    force(w, w->now, 1, &whole);
+    struct use full = {w->now, NULL, w->next, w->h, w->h, 1};
+    force(w, w->now, 1, &full);
 }
 
-static void midpoint(struct walk_on *w)
+static void step_midpoint(struct walk_on *w)
 {
     struct state mid = w->more;
     real h = w->h;
     struct use half = {w->now, w->now.v, mid, h / 2, h / 2, 0.5};
-    struct use whole = {w->now, mid.v, w->next, h, h, 1};
+    struct use full = {w->now, mid.v, w->next, h, h, 1};
     force(w, w->now, 1, &half);
-    force(w, mid, 1, &whole);
+    force(w, mid, 1, &full);
 }
 
 /* The second force is evaluated at the velocity that the first force
  * predicts. */
-static void verlet(struct walk_on *w)
+static void step_verlet(struct walk_on *w)
 {
     struct state next = w->next, ahead = w->more;
     real h = w->h;
@@ -200,11 +201,11 @@ static int queue(struct walk_on w, int32_t substeps)
     int method = w.s->dynamics.method;
     for (int32_t k = 0; k < substeps; k++) {
         if (method == DRAPE_EULER)
-            euler(&w);
+            step_euler(&w);
         else if (method == DRAPE_MIDPOINT)
-            midpoint(&w);
+            step_midpoint(&w);
         else if (method == DRAPE_VERLET)
-            verlet(&w);
+            step_verlet(&w);
         else
             runge_kutta(&w);
         swap(&w);
@@ -251,9 +252,9 @@ static void queue_rest(struct walk_on *w, int32_t substeps)
 }
 
 /* One thread sets the number of iterations left. */
-KERNEL turns_kernel(int32_t *left, int32_t turns)
+KERNEL iterations_kernel(int32_t *left, int32_t iterations)
 {
-    *left = turns;
+    *left = iterations;
 }
 
 /* One thread counts one iteration as done. */
@@ -262,24 +263,24 @@ KERNEL turn_kernel(int32_t *left)
     *left = *left - 1;
 }
 
-/* Runs `turns` iterations of TURN substeps, as a loop on the device if it has
- * such loops. */
-static void take_turns(struct walk_on *w, int32_t turns)
+/* Runs `iterations` iterations of UNROLLED substeps, as a loop on the device if
+ * it has such loops. */
+static void iterate(struct walk_on *w, int32_t iterations)
 {
     struct walk_key key;
     int32_t *left = (int32_t *)gpu_words(w->g);
-    w->when.turns = turns;
+    w->when.iterations = iterations;
     w->when.left = left;
     auto launch = [&] {
-        int status = queue(*w, TURN);
+        int status = queue(*w, UNROLLED);
         LAUNCH_BLOCKS(w->g, 1, 1, turn_kernel, left);
         return status;
     };
-    write_key(&key, w, TURN);
-    LAUNCH_BLOCKS(w->g, 1, 1, turns_kernel, left, turns);
+    write_key(&key, w, UNROLLED);
+    LAUNCH_BLOCKS(w->g, 1, 1, iterations_kernel, left, iterations);
     if (gpu_loop(w->g, loop_key{&key, sizeof key}, {left, {}, launch, {}}))
         return;
-    for (int32_t k = 0; k < turns && gpu_status(w->g) == DRAPE_OK; k++)
+    for (int32_t k = 0; k < iterations && gpu_status(w->g) == DRAPE_OK; k++)
         launch();
 }
 
@@ -301,11 +302,11 @@ int gpu_motion_explicit(struct gpu *g, struct sheet *s)
         w.spare = {motion_stream(s, 0), motion_stream(s, (int)motion_vecs(d))};
     w.h = (real)(d->dt / n);
     w.when.n = n;
-    int32_t turns = d->trace ? 0 : n / TURN;
+    int32_t iterations = d->trace ? 0 : n / UNROLLED;
     gpu_motion_copy(g, s, d->x, d->v);
-    queue_rest(&w, n - turns * TURN);
-    if (turns)
-        take_turns(&w, turns);
+    queue_rest(&w, n - iterations * UNROLLED);
+    if (iterations)
+        iterate(&w, iterations);
     gpu_motion_copy(g, s, w.now.x, w.now.v);
     return gpu_status(g);
 }

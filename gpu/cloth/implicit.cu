@@ -18,7 +18,7 @@ static __device__ real *flat(vec *a)
 }
 
 /* (x - past) / 3: the share of the step before in the second-order method. */
-static __device__ real drift(real x, real past)
+static __device__ real past_drift(real x, real past)
 {
     return R(1.0 / 3) * (x - past);
 }
@@ -30,8 +30,8 @@ KERNEL predict_kernel(const struct predict &s)
     uint8_t fixed = s.fixed[(uint32_t)k / 3];
     real star = flat(s.v)[k], move = 0;
     if (s.n_past) {
-        move = drift(flat(s.x)[k], flat(s.xp)[k]);
-        star = star + drift(star, flat(s.vp)[k]);
+        move = past_drift(flat(s.x)[k], flat(s.xp)[k]);
+        star = star + past_drift(star, flat(s.vp)[k]);
     }
     if (fixed == CLOTH_PINNED)
         star = 1 / s.tau * ((flat(s.to)[k] - flat(s.x)[k]) - move);
@@ -52,7 +52,7 @@ KERNEL update_kernel(const struct update &s)
     if (fixed == 0) {
         v = flat(s.star)[k] + s.part * flat(s.dv)[k];
         if (s.n_past)
-            x = x + drift(x, flat(s.xp)[k]);
+            x = x + past_drift(x, flat(s.xp)[k]);
         x = x + s.tau * v;
     } else if (fixed == CLOTH_PINNED) {
         real to = flat(s.to)[k];
@@ -114,7 +114,7 @@ KERNEL imbalance_kernel(const struct imbalance &s)
     flat(s.b)[k] = b;
 }
 
-static __device__ bool same(vec a, vec b)
+static __device__ bool is_same(vec a, vec b)
 {
     return a.x == b.x && a.y == b.y && a.z == b.z;
 }
@@ -126,7 +126,7 @@ KERNEL history_kernel(const struct history &s)
     vec x = s.x[p], v = s.v[p], v1 = s.v1[p], xp = s.x0[p], vp = s.v0[p];
     if (s.n_jump)
         vp = axpy(vp, s.part, s.jump[p]);
-    if (!same(x, s.x1[p]) || !same(v, v1)) {
+    if (!is_same(x, s.x1[p]) || !is_same(v, v1)) {
         vp = add(vp, sub(v, v1));
         xp = axpy(x, R(-0.5) * s.dt, add(v, vp));
     }

@@ -111,7 +111,7 @@ static int go_solve(void *on)
     struct dynamics *d = &s->dynamics;
     struct pcg *p = &s->solver.pcg;
     p->block = d->block;
-    p->thin = d->thin;
+    p->packed = d->packed;
     p->b = d->b;
     p->dv = d->dv;
     p->tolerance = d->asked;

@@ -10,9 +10,9 @@ extern "C" {
 #include "ref/cloth/springs.h"
 }
 
-/* A block owns a tile of TILE_WIDE × HIGH particles. Springs reach TILE_RIM
+/* A block owns a tile of TILE_WIDE × HIGH particles. Springs reach TILE_HALO
  * particles further. */
-enum { TILE_WIDE = 32, TILE_RIM = 2, TILE_ACROSS = TILE_WIDE + 2 * TILE_RIM };
+enum { TILE_WIDE = 32, TILE_HALO = 2, TILE_ACROSS = TILE_WIDE + 2 * TILE_HALO };
 
 /* The springs of direction o that pull at a tile's particles start in the tile
  * or one step before it. tile_left: the first column in which they start, seen
@@ -43,11 +43,11 @@ struct alignas(16) tile_way {
     int pull, wide, over, place;
 };
 
-/* Shared memory of a block: the particles of the tile and its rim, row by row,
+/* Shared memory of a block: the particles of the tile and its halo, row by row,
  * and the pull of each spring on the particle that the spring starts at. MOVED:
  * 1: the particles are at x + span·u, §6. */
 template <int HIGH, int MOVED> struct tile {
-    enum { PLACES = TILE_ACROSS * (HIGH + 2 * TILE_RIM) };
+    enum { PLACES = TILE_ACROSS * (HIGH + 2 * TILE_HALO) };
     enum { PULLS = tile_pulls(HIGH).before[SPRINGS], MOVES = MOVED };
     struct tile_way way[SPRINGS];
     struct law law[SPRINGS];
@@ -68,7 +68,7 @@ static __device__ void tile_lead(const struct springs *s,
     for (int d = 0; d < SPRINGS; d++)
         if (d == o)
             w = {pulls.before[d], tile_wide(d), 65536 / tile_wide(d) + 1,
-                 (TILE_RIM - forward_j(d)) * TILE_ACROSS + TILE_RIM +
+                 (TILE_HALO - forward_j(d)) * TILE_ACROSS + TILE_HALO +
                      tile_left(d)};
     a->way[o] = w;
     a->law[o] = s->law[o];
@@ -79,8 +79,8 @@ template <class TILE>
 static __device__ void tile_fill(const struct springs *s, TILE *a, int i0,
                                  int j0, int k)
 {
-    int j = k / TILE_ACROSS, i = i0 - TILE_RIM + (k - j * TILE_ACROSS);
-    j += j0 - TILE_RIM;
+    int j = k / TILE_ACROSS, i = i0 - TILE_HALO + (k - j * TILE_ACROSS);
+    j += j0 - TILE_HALO;
     a->springs[k] = a->beside[k] = 0;
     if (i < 0 || j < 0 || i >= s->m || j >= s->n)
         return;
@@ -106,7 +106,7 @@ static __device__ vec tile_way_of(const TILE *a, int p, int q)
 /* §1: the pull on place p of a spring to place q. */
 template <class TILE>
 static __device__ vec tile_pull(const TILE *a, const struct law *law,
-                                bool damped, real share, int p, int q)
+                                bool damped, real fraction, int p, int q)
 {
     vec d = tile_way_of(a, p, q);
     real l = length(d);
@@ -116,7 +116,7 @@ static __device__ vec tile_pull(const TILE *a, const struct law *law,
     real f = spring_tension(law, a->piece, l);
     if (damped)
         f += law->damp * dot(sub(a->v[q], a->v[p]), u);
-    return scale(share * f, u);
+    return scale(fraction * f, u);
 }
 
 /* §5: the constant times the second difference of the triple of direction o, of
@@ -153,8 +153,8 @@ static __device__ vec tile_pull_of(const struct tile<HIGH, MOVED> *a,
     if (!(a->springs[p] >> o & 1))
         return make(0, 0, 0);
     int q = p + forward_i(o) + forward_j(o) * TILE_ACROSS;
-    real share = triples ? share_of(o, a->beside[p]) : R(1);
-    return tile_pull(a, &a->law[o], damped, share, p, q);
+    real fraction = triples ? spring_fraction(o, a->beside[p]) : R(1);
+    return tile_pull(a, &a->law[o], damped, fraction, p, q);
 }
 
 /* §2: the sum of the pulls on particle (i, j) of the tile, for each direction

@@ -21,7 +21,7 @@ namespace
 
 /* The share of a corner in what a triangle has: force, N, and resistance,
  * kg/s. */
-struct share {
+struct corner_load {
     vec force;
     real rate;
 };
@@ -29,7 +29,8 @@ struct share {
 } // namespace
 
 /* §1, §3: a third of the force on triangle abc and of its resistance. */
-static __device__ struct share third(const struct wind *s, int a, int b, int c)
+static __device__ struct corner_load third(const struct wind *s, int a, int b,
+                                           int c)
 {
     vec ab = sub(s->x[b], s->x[a]), ac = sub(s->x[c], s->x[a]);
     vec area = scale(R(0.5), cross(ab, ac));
@@ -49,7 +50,7 @@ static __device__ struct share third(const struct wind *s, int a, int b, int c)
 /* The shares of the two triangles of cell (i, j); 0 if the cell is not
  * present. */
 static __device__ void fill_cell(const struct wind *s, int i, int j,
-                                 struct share part[2])
+                                 struct corner_load part[2])
 {
     part[0] = part[1] = {make(0, 0, 0), 0};
     if (i < 0 || j < 0 || i >= s->m || j >= s->n)
@@ -62,7 +63,8 @@ static __device__ void fill_cell(const struct wind *s, int i, int j,
 }
 
 /* Adds a share to the sums of a particle. */
-static __device__ void gain(struct share *sum, const struct share &a)
+static __device__ void gain(struct corner_load *sum,
+                            const struct corner_load &a)
 {
     sum->force = add(sum->force, a.force);
     sum->rate += a.rate;
@@ -73,7 +75,7 @@ static __device__ void gain(struct share *sum, const struct share &a)
  * §2: the cells around a particle in ascending order. */
 KERNEL wind_kernel(const struct wind &s, int across)
 {
-    __shared__ struct share part[CELLS][2];
+    __shared__ struct corner_load part[CELLS][2];
     int t = (int)threadIdx.x, block = (int)blockIdx.x;
     int row = block / across, column = block - row * across;
     int i0 = column * WIDE, j0 = row * HIGH;
@@ -84,9 +86,10 @@ KERNEL wind_kernel(const struct wind &s, int across)
     int i = i0 + t % WIDE, j = j0 + t / WIDE;
     if (i >= s.m || j >= s.n)
         return;
-    struct share(*here)[2] = part + (t / WIDE + 1) * CELLS_WIDE + t % WIDE + 1;
-    struct share(*below)[2] = here - CELLS_WIDE;
-    struct share sum = {make(0, 0, 0), 0};
+    struct corner_load(*here)[2] =
+        part + (t / WIDE + 1) * CELLS_WIDE + t % WIDE + 1;
+    struct corner_load(*below)[2] = here - CELLS_WIDE;
+    struct corner_load sum = {make(0, 0, 0), 0};
     if (i > 0 && j > 0) {
         gain(&sum, below[-1][0]);
         gain(&sum, below[-1][1]);

@@ -164,9 +164,9 @@ static int iterate(struct gpu *g, struct pcg *s, real square)
         if (s->energy) {
             s->scale = s->iterations ? s->scale : larger(next, s->scale);
             s->recurrence = size_of(next / s->scale);
-            bool near = s->recurrence <= s->tolerance &&
-                        size_of(left / s->square) <= s->tolerance;
-            if (next == 0 || near)
+            bool converged = s->recurrence <= s->tolerance &&
+                             size_of(left / s->square) <= s->tolerance;
+            if (next == 0 || converged)
                 return PCG_CONVERGED;
         }
         if (!sound(next) || !step(g, s, next, &rho, first))

@@ -8,11 +8,8 @@ extern "C" {
 #include "ref/contact/carry.h"
 }
 
-/* §1.2: as LEAST of the reference. */
-#define LEAST R(30.0)
-
 /* The place in `kept` of what was kept of a pair, or -1. */
-static __device__ int64_t find(const struct carry *s, struct key key)
+static __device__ int64_t find_kept(const struct carry *s, struct key key)
 {
     int64_t from = 0, end = s->n_kept;
     while (from < end) {
@@ -39,7 +36,7 @@ static __device__ real order_of(const struct contact *c, struct key key)
 static __device__ void take_over(const struct carry *s, struct contact *c)
 {
     struct key key = pair_key(c->v, c->kind, 0);
-    int64_t at = find(s, key);
+    int64_t at = find_kept(s, key);
     if (at >= 0) {
         vec t = scale(order_of(c, key), s->kept[at].lambda_t);
         c->lambda = s->kept[at].lambda;
@@ -57,7 +54,8 @@ static __device__ real kappa_of(const struct carry *s, const struct contact *c,
         y += c->c[j] * c->c[j] * s->w[c->v[j]];
     if (c->lambda > 0)
         wanted = c->lambda * s->tau / (CARRY_GIVE * thickness);
-    return y > 0 ? max_of(LEAST / y, min_of(wanted, s->stiffest)) : R(0.0);
+    return y > 0 ? max_of(CARRY_KAPPA / y, min_of(wanted, s->stiffest))
+                 : R(0.0);
 }
 
 /* Thread k owns contact k. */
@@ -69,7 +67,7 @@ KERNEL carry_kernel(const struct carry &s, int64_t *bad)
         *bad = 1;
         return;
     }
-    real thickness = surface_of(&s.skin, c->v).thickness;
+    real thickness = surface_of(&s.surfaces, c->v).thickness;
     real overlap = thickness - c->gap;
     c->target = (overlap > 0 ? CARRY_RISE * overlap : overlap) / s.dt;
     if (c->kappa > 0)
@@ -79,7 +77,8 @@ KERNEL carry_kernel(const struct carry &s, int64_t *bad)
 }
 
 /* §2: whether a contact of this slice struck a side of it. */
-static __device__ bool struck(const struct retain *s, const struct contact *c)
+static __device__ bool is_struck(const struct retain *s,
+                                 const struct contact *c)
 {
     int split = c->kind == CONTACT_VF ? 1 : 2;
     bool moves[SIDES] = {false, false};
@@ -104,7 +103,7 @@ KERNEL retain_kernel(const struct retain &s, int64_t *bad)
     }
     struct key key = pair_key(c->v, c->kind, 0);
     struct kept r = {key.hi, key.lo, 0, make(0, 0, 0)};
-    if (c->impulse > 0 && !struck(&s, c)) {
+    if (c->impulse > 0 && !is_struck(&s, c)) {
         r.lambda = c->impulse;
         r.lambda_t = scale(order_of(c, key), c->tangent);
     }

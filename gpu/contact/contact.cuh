@@ -1,40 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Candidates and their surfaces on the device, as in ref/contact/contact.h. */
+/* Contacts and their surfaces on the device, as in ref/contact/contact.h. */
 #ifndef GPU_CONTACT_CUH
 #define GPU_CONTACT_CUH
 
-#include "gpu/base/real.cuh"
+#include "gpu/broad/pair.cuh"
 
 extern "C" {
 #include "ref/contact/contact.h"
-}
-
-/* A candidate's vertices, read by one 16-byte load. */
-struct alignas(16) pair_vertices {
-    int32_t v[4];
-};
-
-static __device__ inline void load_pair(const int32_t *pair, int64_t k,
-                                        int32_t v[4])
-{
-    struct pair_vertices f = ((const struct pair_vertices *)pair)[k];
-    for (int j = 0; j < 4; j++)
-        v[j] = f.v[j];
-}
-
-/* Copies pair k to place `at` of `to`. */
-static __device__ inline void copy_pair(const int32_t *pair, int64_t k,
-                                        int32_t *to, int64_t at)
-{
-    ((struct pair_vertices *)to)[at] = ((const struct pair_vertices *)pair)[k];
-}
-
-static __device__ inline bool in_range(const int32_t v[4], int64_t nv)
-{
-    bool good = true;
-    for (int j = 0; j < 4; j++)
-        good = good && v[j] >= 0 && v[j] < nv;
-    return good;
 }
 
 static __device__ inline bool any_free(const int32_t v[4], const real *w)
@@ -46,7 +18,7 @@ static __device__ inline bool any_free(const int32_t v[4], const real *w)
 }
 
 /* The largest thickness and the largest friction of the four vertices. */
-static __device__ inline struct surface surface_of(const struct skin *s,
+static __device__ inline struct surface surface_of(const struct surfaces *s,
                                                    const int32_t v[4])
 {
     struct surface r = s->surface[s->of[v[0]]];
@@ -70,9 +42,9 @@ static __device__ inline vec pair_sum(const struct contact *c, const vec *a)
 /* A new contact's impulses, multipliers and matrix: none. */
 static __device__ inline void clear_contact(struct contact *c)
 {
-    c->held = CONTACT_APART;
+    c->coupling = CONTACT_APART;
     c->impulse = c->lambda = c->load = c->kappa = c->rise = 0;
-    c->along = c->slide = 0;
+    c->stiffness_n = c->stiffness_t = 0;
     c->tangent = c->lambda_t = c->way = make(0, 0, 0);
 }
 

@@ -12,18 +12,19 @@ extern "C" {
 }
 
 /* An item adds PARTS numbers to its vertex: PUSHES of force, as many of the
- * force by renewed multipliers, and HOLDS of hold, which are also those of wall
- * where the contact is CONTACT_WALL. In the gather a block owns GROUP vertices,
- * a warp one number of each of them. */
-enum { PUSHES = 3, HOLDS = 6, PARTS = 2 * PUSHES + HOLDS, GROUP = 32 };
+ * force by renewed multipliers, and BOUND_NUMBERS of bound, which are also
+ * those of single where the contact is CONTACT_SINGLE. In the gather a block
+ * owns GROUP vertices, a warp one number of each of them. */
+enum {
+    PUSHES = 3,
+    BOUND_NUMBERS = 6,
+    PARTS = 2 * PUSHES + BOUND_NUMBERS,
+    GROUP = 32
+};
 enum { GROUP_BLOCK = PARTS * GROUP };
 
-/* §2.3: as STEADY and GROWTH of the reference. */
-#define STEADY R(0.9)
-#define GROWTH R(10.0)
-
 /* A vector cut to the length `most`. */
-static __device__ vec cut(vec a, real most)
+static __device__ vec cut_length(vec a, real most)
 {
     real size = length(a);
     return size > most ? scale(most / size, a) : a;
@@ -45,7 +46,8 @@ static __device__ real push_of(const struct coulomb *s, const struct contact *c,
 }
 
 /* §3.2: whether contact c moves one vertex alone. */
-static __device__ bool is_wall(const struct coulomb *s, const struct contact *c)
+static __device__ bool is_single(const struct coulomb *s,
+                                 const struct contact *c)
 {
     int moving = 0;
     for (int j = 0; j < 4; j++)
@@ -54,15 +56,17 @@ static __device__ bool is_wall(const struct coulomb *s, const struct contact *c)
 }
 
 /* §2.3: the impulses that the call before found become the multipliers. */
-static __device__ void renew(const struct coulomb *s, struct contact *c)
+static __device__ void renew_multipliers(const struct coulomb *s,
+                                         struct contact *c)
 {
     real rise = c->impulse - c->lambda;
-    bool steady = c->lambda > 0 && c->rise > 0 && rise > STEADY * c->rise;
+    bool steady =
+        c->lambda > 0 && c->rise > 0 && rise > COULOMB_STEADY * c->rise;
     if (steady && c->kappa < s->stiffest)
-        c->kappa = min_of(GROWTH * c->kappa, s->stiffest);
+        c->kappa = min_of(COULOMB_GROWTH * c->kappa, s->stiffest);
     c->rise = rise;
     c->lambda = c->load = c->impulse;
-    c->lambda_t = cut(c->tangent, c->friction * c->impulse);
+    c->lambda_t = cut_length(c->tangent, c->friction * c->impulse);
 }
 
 /* §1, §2, §3.1. Thread k owns contact k: reads u of its vertices, writes its
@@ -76,7 +80,7 @@ KERNEL coulomb_evaluate_kernel(const struct coulomb &s, int64_t *words)
     if (!in_range(c->v, s.nv) || (s.lists && words[INCIDENCE_BAD]))
         return;
     if (s.renews)
-        renew(&s, c);
+        renew_multipliers(&s, c);
     vec n = c->n, v = scale(s.dt / s.tau, pair_sum(c, s.u));
     real along = dot(n, v), lack = c->target * (s.dt / s.tau) - along;
     vec slip = axpy(v, -along, n), z = axpy(c->lambda_t, -c->kappa, slip);
@@ -86,16 +90,18 @@ KERNEL coulomb_evaluate_kernel(const struct coulomb &s, int64_t *words)
     real most = c->friction * c->load, size = length(z);
     bool slides = size > most;
     c->tangent = slides ? scale(most / size, z) : z;
-    c->along =
+    c->stiffness_n =
         c->impulse > 0 ? c->kappa / (1 + c->kappa * give_of(&s, c)) : R(0.0);
-    c->slide = slides ? c->kappa * (most / size) : most > 0 ? c->kappa : R(0.0);
+    c->stiffness_t = slides     ? c->kappa * (most / size)
+                     : most > 0 ? c->kappa
+                                : R(0.0);
     c->way = slides ? scale(1 / size, z) : make(0, 0, 0);
-    c->held = !(c->along > 0 || c->slide > 0) ? CONTACT_APART
-              : is_wall(&s, c)                ? CONTACT_WALL
-                                              : CONTACT_MUTUAL;
+    c->coupling = !(c->stiffness_n > 0 || c->stiffness_t > 0) ? CONTACT_APART
+                  : is_single(&s, c)                          ? CONTACT_SINGLE
+                                                              : CONTACT_MUTUAL;
     real load = c->impulse, next = push_of(&s, c, load, lack);
-    vec drag = cut(c->tangent, c->friction * load);
-    drag = cut(axpy(drag, -c->kappa, slip), c->friction * load);
+    vec drag = cut_length(c->tangent, c->friction * load);
+    drag = cut_length(axpy(drag, -c->kappa, slip), c->friction * load);
     s.next[k] = axpy(drag, next, n);
 }
 
@@ -113,43 +119,44 @@ static __device__ void find_sides(const struct coulomb *s,
     }
 }
 
-/* §3.2: S/w_j·|c_j|, the factor of contact c in the hold of its vertex j. */
+/* §3.2: S/w_j·|c_j|, the factor of contact c in the bound of its vertex j. */
 static __device__ real part_of(const struct coulomb *s, const struct contact *c,
                                int j)
 {
     int split = c->kind == CONTACT_VF ? 1 : 2;
-    real side[SIDES], share = 0;
+    real side[SIDES], sum = 0;
     find_sides(s, c, side);
     for (int i = 0; i < 4; i++)
         if (s->w[c->v[i]] > 0)
-            share += magnitude(c->c[i]) * side[i < split ? SIDE_A : SIDE_B];
-    return share / side[j < split ? SIDE_A : SIDE_B] * magnitude(c->c[j]);
+            sum += magnitude(c->c[i]) * side[i < split ? SIDE_A : SIDE_B];
+    return sum / side[j < split ? SIDE_A : SIDE_B] * magnitude(c->c[j]);
 }
 
-/* What an item adds, number by number, and whether its hold is of a wall.
- * Number o of the item at place k is in part[o·n4 + k]. */
+/* The numbers that an item adds to its vertex, and whether its bound is of a
+ * SINGLE contact. Number o of the item at place k is in part[o·n4 + k]. */
 struct items {
-    real *part;    /* [PARTS·n4] */
-    uint8_t *wall; /* [n4] */
+    real *part;      /* [PARTS·n4] */
+    uint8_t *single; /* [n4] */
 };
 
-/* §3.2: what contact c adds to the hold of its vertex j; 0 if it is apart. */
-static __device__ void find_hold(const struct coulomb *s,
-                                 const struct contact *c, int j,
-                                 real hold[HOLDS])
+/* §3.2: the part of contact c in the bound of its vertex j; 0 if it is apart.
+ */
+static __device__ void find_bound(const struct coulomb *s,
+                                  const struct contact *c, int j,
+                                  real bound[BOUND_NUMBERS])
 {
-    bool held = c->held != CONTACT_APART;
+    bool held = c->coupling != CONTACT_APART;
     real part = held ? part_of(s, c, j) : R(0.0);
-    real across = part * c->slide, d = part * c->along - across;
+    real across = part * c->stiffness_t, d = part * c->stiffness_n - across;
     vec n = c->n, z = c->way;
-    real all[HOLDS] = {d * n.x * n.x + across - across * z.x * z.x,
-                       d * n.x * n.y - across * z.x * z.y,
-                       d * n.x * n.z - across * z.x * z.z,
-                       d * n.y * n.y + across - across * z.y * z.y,
-                       d * n.y * n.z - across * z.y * z.z,
-                       d * n.z * n.z + across - across * z.z * z.z};
-    for (int o = 0; o < HOLDS; o++)
-        hold[o] = held ? all[o] : R(0.0);
+    real all[BOUND_NUMBERS] = {d * n.x * n.x + across - across * z.x * z.x,
+                               d * n.x * n.y - across * z.x * z.y,
+                               d * n.x * n.z - across * z.x * z.z,
+                               d * n.y * n.y + across - across * z.y * z.y,
+                               d * n.y * n.z - across * z.y * z.z,
+                               d * n.z * n.z + across - across * z.z * z.z};
+    for (int o = 0; o < BOUND_NUMBERS; o++)
+        bound[o] = held ? all[o] : R(0.0);
 }
 
 /* Thread k owns place k of all lists: reads its item's contact, writes the
@@ -165,11 +172,11 @@ KERNEL coulomb_item_kernel(const struct coulomb &s, struct items to,
     vec push = scale(c->c[j], axpy(c->tangent, c->impulse, c->n));
     vec next = scale(c->c[j], s.next[at]);
     real all[PARTS] = {push.x, push.y, push.z, next.x, next.y, next.z};
-    find_hold(&s, c, j, all + 2 * PUSHES);
+    find_bound(&s, c, j, all + 2 * PUSHES);
     UNROLL
     for (int o = 0; o < PARTS; o++)
         to.part[o * s.n4 + k] = all[o];
-    to.wall[k] = c->held == CONTACT_WALL;
+    to.single[k] = c->coupling == CONTACT_SINGLE;
 }
 
 /* A number of the items of all lists that is part of a force. */
@@ -178,23 +185,23 @@ struct coulomb_push {
     __device__ real value(int32_t at) const { return part[at]; }
 };
 
-/* One that is part of a hold: x without walls, y of walls. No sum is -0, so the
- * zeros that the reference does not add change nothing. */
-struct coulomb_hold {
+/* A number of a bound: x of MUTUAL contacts, y of SINGLE ones. No sum is -0, so
+ * the zeros that the reference does not add change nothing. */
+struct coulomb_bound {
     const real *part;
-    const uint8_t *wall;
+    const uint8_t *single;
     __device__ vec value(int32_t at) const
     {
         real a = part[at], none = 0;
-        return wall[at] ? make(none, a, 0) : make(a, none, 0);
+        return single[at] ? make(none, a, 0) : make(a, none, 0);
     }
 };
 
 /* The sum of list i, from `none` on. row: a warp's, [WARP] in shared memory,
  * where it sums a long list. */
 template <bool BY_WARP, class LIST, class T>
-static __device__ T total(const struct coulomb *s, const LIST &list, int32_t i,
-                          T none, T *row)
+static __device__ T sum_numbers(const struct coulomb *s, const LIST &list,
+                                int32_t i, T none, T *row)
 {
     int32_t from = s->start[i], end = s->start[i + 1];
     return BY_WARP ? sum_by_warp(list, from, end, none, row)
@@ -206,7 +213,7 @@ static __device__ real &number(vec *a, int64_t i, int o)
     return ((real *)&a[i])[o];
 }
 
-/* Writes number o of the forces of vertex i, and what is lacking with it. */
+/* Writes number o of the forces of vertex i, and of inner and outer. */
 static __device__ void put_push(const struct coulomb *s, int64_t i, int o,
                                 real sum)
 {
@@ -228,18 +235,19 @@ static __device__ void put_number(const struct coulomb *s, struct items from,
 {
     const real *part = from.part + o * s->n4;
     if (o < 2 * PUSHES) {
-        put_push(s, i, o,
-                 total<BY_WARP>(s, coulomb_push{part}, i, R(0.0), &row->x));
+        put_push(
+            s, i, o,
+            sum_numbers<BY_WARP>(s, coulomb_push{part}, i, R(0.0), &row->x));
         return;
     }
-    vec sum =
-        total<BY_WARP>(s, coulomb_hold{part, from.wall}, i, make(0, 0, 0), row);
-    ((real *)&s->wall[i])[o - 2 * PUSHES] = sum.y;
-    ((real *)&s->hold[i])[o - 2 * PUSHES] = sum.x + sum.y;
+    vec sum = sum_numbers<BY_WARP>(s, coulomb_bound{part, from.single}, i,
+                                   make(0, 0, 0), row);
+    ((real *)&s->single[i])[o - 2 * PUSHES] = sum.y;
+    ((real *)&s->bound[i])[o - 2 * PUSHES] = sum.x + sum.y;
 }
 
 /* §3. A block owns GROUP vertices, warp o their number o: writes their force,
- * hold and wall, which are 0 without contacts, inner and outer. */
+ * bound and single, which are 0 without contacts, inner and outer. */
 KERNEL coulomb_gather_kernel(const struct coulomb &s, struct items from,
                              const int64_t *words)
 {
@@ -279,7 +287,7 @@ int gpu_coulomb_queue(struct gpu *g, struct coulomb *s, int64_t *words)
         gpu_incidence(g, &by, words);
     struct items to = {};
     to.part = (real *)gpu_scratch(g, SLOT_STAGE, PARTS * s->n4, sizeof(real));
-    to.wall = (uint8_t *)gpu_scratch(g, SLOT_STAGE + 1, s->n4, 1);
+    to.single = (uint8_t *)gpu_scratch(g, SLOT_STAGE + 1, s->n4, 1);
     LAUNCH(g, s->n, coulomb_evaluate_kernel, *s, words);
     LAUNCH(g, s->n4, coulomb_item_kernel, *s, to, words);
     LAUNCH_PARTS(g, (s->nv + GROUP - 1) / GROUP, GROUP_BLOCK, 1,

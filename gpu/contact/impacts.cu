@@ -14,7 +14,7 @@ extern "C" {
  * whether it touches at the start already. */
 enum { HIT = 0, MISS = -1, RETEST = -2 };
 /* The words of the counts. BAD: not 0 if a vertex or a kind is out of range. */
-enum { BAD, HITS, LED, RETESTS, WORDS };
+enum { BAD, HITS, PRESCRIBED, RETESTS, WORDS };
 
 /* The candidates that the narrow phase tests with x0 as start and end. */
 struct retest {
@@ -40,7 +40,7 @@ KERNEL impacts_decide_kernel(const struct impacts &s, int64_t *words)
         bool free = any_free(v, s.w);
         bool later = s.toi[k] > 0;
         at = !free ? MISS : later ? HIT : RETEST;
-        count_up(&words[!free ? LED : later ? HITS : RETESTS], 1);
+        count_up(&words[!free ? PRESCRIBED : later ? HITS : RETESTS], 1);
     }
     s.at[k] = at;
 }
@@ -99,7 +99,7 @@ KERNEL impacts_emit_kernel(const struct impacts &s, const int64_t *first)
 
 /* Returns, for each block, the place of its first candidate with at = want in
  * the list of all of them. */
-static int64_t *place(struct gpu *g, const struct impacts *s, int32_t want)
+static int64_t *place_hit(struct gpu *g, const struct impacts *s, int32_t want)
 {
     int64_t blocks = compact_blocks(s->n);
     int64_t *first =
@@ -123,7 +123,7 @@ static int retest_start(struct gpu *g, struct impacts *s, int64_t n)
     a.toi = (uint32_t *)(memory + 5 * n);
     a.kind = (uint8_t *)(memory + 6 * n);
     a.tier = a.kind + n;
-    int64_t *first = place(g, s, RETEST);
+    int64_t *first = place_hit(g, s, RETEST);
     LAUNCH_PARTS(g, compact_blocks(s->n), COMPACT_BLOCK, 1,
                  impacts_gather_kernel, *s, first, a);
     struct narrow m = {.n = n,
@@ -153,7 +153,7 @@ int gpu_impacts(struct gpu *g, struct impacts *s)
     int64_t asks = seen[RETESTS];
     int status = gpu_status(g);
     s->found = seen[HITS];
-    s->led = seen[LED];
+    s->prescribed = seen[PRESCRIBED];
     s->started = 0;
     if (asks && status == DRAPE_OK)
         status = retest_start(g, s, asks);
@@ -161,7 +161,7 @@ int gpu_impacts(struct gpu *g, struct impacts *s)
         return DRAPE_EFULL;
     if (!s->found || status != DRAPE_OK)
         return status;
-    int64_t *first = place(g, s, HIT);
+    int64_t *first = place_hit(g, s, HIT);
     LAUNCH_PARTS(g, compact_blocks(s->n), COMPACT_BLOCK, 1, impacts_emit_kernel,
                  *s, first);
     return gpu_status(g);

@@ -4,8 +4,8 @@
 #include "gpu/base/cluster.cuh"
 #include "gpu/base/compact.cuh"
 #include "gpu/base/scan.cuh"
-#include "gpu/contact/foot.cuh"
 #include "gpu/contact/keys.cuh"
+#include "gpu/contact/one_ring.cuh"
 
 extern "C" {
 #include "ref/contact/impulses.h"
@@ -14,7 +14,7 @@ extern "C" {
 /* Words of the device. TICKET: counts blocks for ends_last. */
 enum { BAD, FOUND, TICKET, WORDS };
 
-/* §5: the key of what is left to a later round, and no first impact. */
+/* §5: the key of an impact that is left to a later round, and of none. */
 static const uint64_t NONE = ~0ull;
 
 /* §2: geometry */
@@ -25,8 +25,9 @@ struct impact {
     struct wide way[4];  /* m, displacement over the step */
 };
 
-static __device__ void place(const struct impulses *s, const int32_t v[4],
-                             double t, struct impact *m)
+static __device__ void place_vertices(const struct impulses *s,
+                                      const int32_t v[4], double t,
+                                      struct impact *m)
 {
     struct wide base = widen(s->x0[v[0]]);
     for (int k = 0; k < 4; k++) {
@@ -60,25 +61,26 @@ static __device__ struct wide own_normal(const struct impact *m, int kind,
     return closing > 0 ? scale(-1, n) : n;
 }
 
-/* §2.3: n, or where it is no normal of the led side's surface, the normal of
- * the triangle there that it is most along. */
-static __device__ struct wide turned(const struct impulses *s, int64_t k,
-                                     const int32_t v[4], const struct impact *m,
-                                     const double c[4], struct wide n)
+/* §2.3: n, or where it is no normal of the prescribed side's surface, the
+ * normal of the triangle there that it is most along. */
+static __device__ struct wide surface_normal(const struct impulses *s,
+                                             int64_t k, const int32_t v[4],
+                                             const struct impact *m,
+                                             const double c[4], struct wide n)
 {
     int split = s->kind[k] == CONTACT_VF ? 1 : 2;
-    bool led[2];
-    find_led(s->w, split, v, led);
-    if (!led[0] && !led[1])
+    bool prescribed[2];
+    find_prescribed(s->w, split, v, prescribed);
+    if (!prescribed[0] && !prescribed[1])
         return n;
     struct moving at = {s->x0, s->x1, (double)s->toi[k] * 0x1p-30};
-    struct foot f =
-        foot_find_at(split, !led[0], v, m->x, c, led[0] ? scale(-1, n) : n);
+    struct closest_point f = closest_point_find_at(
+        split, !prescribed[0], v, m->x, c, prescribed[0] ? scale(-1, n) : n);
     struct wide t = f.p;
-    if (foot_is_nearest(at, &s->fan, &f, FOOT_LED) ||
-        !foot_turn(at, &s->fan, &f, 0, &t))
+    if (closest_point_is_local(at, &s->one_rings, &f, CLOSEST_PRESCRIBED) ||
+        !closest_point_normal(at, &s->one_rings, &f, 0, &t))
         return n;
-    if (led[0])
+    if (prescribed[0])
         t = scale(-1, t);
     bool good = dot(t, weighted_sum(c, m->way)) <= 0 &&
                 dot(t, weighted_sum(c, m->from)) >= 0;
@@ -91,7 +93,7 @@ static __device__ struct wide normal_of(const struct impulses *s, int64_t k,
                                         const struct impact *m,
                                         const double c[4])
 {
-    return turned(s, k, v, m, c, own_normal(m, s->kind[k], c));
+    return surface_normal(s, k, v, m, c, own_normal(m, s->kind[k], c));
 }
 
 static __device__ struct contact contact_of(const struct impulses *s, int64_t k)
@@ -101,23 +103,23 @@ static __device__ struct contact contact_of(const struct impulses *s, int64_t k)
     int32_t v[4];
     load_pair(s->pair, k, v);
     int kind = s->kind[k];
-    place(s, v, (double)s->toi[k] * 0x1p-30, &m);
+    place_vertices(s, v, (double)s->toi[k] * 0x1p-30, &m);
     struct closest r = nearest(m.x, kind);
     struct wide n = normal_of(s, k, v, &m, r.c);
-    struct surface skin = surface_of(&s->skin, v);
+    struct surface surface = surface_of(&s->surfaces, v);
     for (int j = 0; j < 4; j++)
         c.v[j] = v[j];
     c.kind = kind;
     nearest_weights(&r, kind, c.c);
     c.n = narrowed(n);
     c.gap = (real)dot(n, weighted_sum(r.c, m.from));
-    c.target = (s->margin * skin.thickness - c.gap) / s->dt;
-    c.friction = skin.friction;
+    c.target = (s->margin * surface.thickness - c.gap) / s->dt;
+    c.friction = surface.friction;
     clear_contact(&c);
     return c;
 }
 
-/* §5: what a vertex meets first */
+/* §5: the first impact of each vertex */
 
 /* Whether impact j is one; its vertices are then in v. */
 static __device__ bool is_sound(const struct impulses *s, int64_t j,
@@ -158,7 +160,7 @@ static __device__ struct wide aim_of(const struct impulses *s, int64_t j,
                                      const int32_t v[4])
 {
     struct impact m;
-    place(s, v, (double)s->toi[j] * 0x1p-30, &m);
+    place_vertices(s, v, (double)s->toi[j] * 0x1p-30, &m);
     struct closest r = nearest(m.x, s->kind[j]);
     return normal_of(s, j, v, &m, r.c);
 }
@@ -171,8 +173,8 @@ static __device__ bool on_side_a(const int32_t v[4], int kind, int32_t i)
 
 /* Whether impact j, of vertices v, pushes a free vertex of its against what
  * this vertex met before. */
-static __device__ bool shadowed(const struct impulses *s, int64_t j,
-                                const int32_t v[4])
+static __device__ bool is_shadowed(const struct impulses *s, int64_t j,
+                                   const int32_t v[4])
 {
     struct wide aim = aim_of(s, j, v);
     for (int k = 0; k < 4; k++) {
@@ -208,24 +210,25 @@ KERNEL impulses_key_kernel(const struct impulses &s, int64_t *words)
         words[BAD] = 1;
         s.key[k] = late;
     } else
-        s.key[k] = shadowed(&s, j, v) ? late : pair_key(v, s.kind[j], k);
+        s.key[k] = is_shadowed(&s, j, v) ? late : pair_key(v, s.kind[j], k);
 }
 
-static __device__ bool same(struct key a, struct key b)
+static __device__ bool is_same_key(struct key a, struct key b)
 {
     return a.hi == b.hi && a.lo == b.lo;
 }
 
 /* §1: of equal keys the newest, which is the last, stays. */
-static __device__ bool stays(const struct key *key, int64_t n, int64_t k)
+static __device__ bool is_last(const struct key *key, int64_t n, int64_t k)
 {
     return k < n && key[k].hi != NONE &&
-           (k + 1 == n || !same(key[k], key[k + 1]));
+           (k + 1 == n || !is_same_key(key[k], key[k + 1]));
 }
 
 /* §1: the contact of a pair that the active set has as well goes on with its
  * multipliers. */
-static __device__ void inherit(const struct contact *from, struct contact *c)
+static __device__ void inherit_multipliers(const struct contact *from,
+                                           struct contact *c)
 {
     bool swapped =
         c->kind != CONTACT_VF && from->v[0] != c->v[0] && from->v[0] != c->v[1];
@@ -239,16 +242,16 @@ static __device__ void inherit(const struct contact *from, struct contact *c)
 
 /* The contact of key k, which stays. The key before it is the same if the
  * active set has the pair, too. */
-static __device__ struct contact joined(const struct impulses *s,
-                                        const struct key *key, int64_t k)
+static __device__ struct contact join_words(const struct impulses *s,
+                                            const struct key *key, int64_t k)
 {
     int64_t item = key[k].item;
     if (item < s->n_active)
         return s->active[item];
     struct contact c = contact_of(s, item - s->n_active);
-    bool again = k > 0 && same(key[k - 1], key[k]);
+    bool again = k > 0 && is_same_key(key[k - 1], key[k]);
     if (again && key[k - 1].item < s->n_active)
-        inherit(&s->active[key[k - 1].item], &c);
+        inherit_multipliers(&s->active[key[k - 1].item], &c);
     return c;
 }
 
@@ -259,7 +262,7 @@ KERNEL impulses_count_kernel(const struct key *key, int64_t n, int64_t *first,
                              int64_t *words)
 {
     int count;
-    block_compact(stays(key, n, compact_item()), &count);
+    block_compact(is_last(key, n, compact_item()), &count);
     if (threadIdx.x == 0) {
         first[blockIdx.x] = count;
         count_up(&words[FOUND], count);
@@ -274,11 +277,11 @@ KERNEL impulses_emit_kernel(const struct impulses &s, const struct key *key,
                             const int64_t *first)
 {
     int64_t k = compact_item();
-    bool stay = stays(key, s.n_all, k);
+    bool stay = is_last(key, s.n_all, k);
     int count;
     int64_t at = block_compact(stay, &count) + first[blockIdx.x];
     if (stay)
-        s.contact[at] = joined(&s, key, k);
+        s.contact[at] = join_words(&s, key, k);
 }
 
 int gpu_impulses(struct gpu *g, struct impulses *s)

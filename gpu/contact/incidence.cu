@@ -35,8 +35,8 @@ struct lists {
     int32_t *any;  /* [4 n] items by vertex, in the order of rank */
 };
 
-static __device__ bool pushes(const struct incidence *s, int64_t item,
-                              int32_t *vertex)
+static __device__ bool can_push(const struct incidence *s, int64_t item,
+                                int32_t *vertex)
 {
     const struct contact *c = &s->contact[item / 4];
     *vertex = c->v[item % 4];
@@ -54,7 +54,7 @@ KERNEL incidence_count_kernel(const struct incidence &s, const struct lists &l,
         words[INCIDENCE_BAD] = 1;
         return;
     }
-    if (!pushes(&s, k, &i)) {
+    if (!can_push(&s, k, &i)) {
         l.rank[k] = -1;
         return;
     }
@@ -85,7 +85,7 @@ KERNEL incidence_place_kernel(const struct incidence &s, const struct lists &l,
 {
     ITEM(k, 4 * s.n);
     int32_t i;
-    if (!words[INCIDENCE_BAD] && pushes(&s, k, &i))
+    if (!words[INCIDENCE_BAD] && can_push(&s, k, &i))
         l.any[s.start[i] + l.rank[k]] = (int32_t)k;
 }
 

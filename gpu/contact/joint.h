@@ -16,7 +16,7 @@ struct rate;
 
 /* One cloth in the joint solve. */
 struct joint_part {
-    struct pcg pcg;          /* its own system; block and thin are set */
+    struct pcg pcg;          /* its own system; block and packed are set */
     const struct rate *rate; /* of its springs; NULL: read blocks */
     int64_t first;           /* its first particle */
 };
@@ -36,7 +36,7 @@ struct linked {
     struct mutual *item; /* [n4] */
 };
 
-/* What the joint solve needs of a world. */
+/* The streams of a world that the joint solve reads and writes. */
 struct joint_system {
     struct gpu *gpu;
     int n;                         /* cloths, ≥ 1 */

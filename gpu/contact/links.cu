@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Stage links on the device: the contacts' own matrix times a vector.
  * spec/contact/coulomb.md §3 */
+#include "gpu/contact/contact.cuh"
 #include "gpu/contact/links.cuh"
 
 /* Blocks of the push kernel for each multiprocessor. */
@@ -23,10 +24,10 @@ KERNEL links_push_kernel(const struct linked *l, const vec *x,
     for (int64_t k = (int64_t)blockIdx.x * blockDim.x + threadIdx.x; k < s->n;
          k += threads) {
         const struct contact *c = &s->contact[k];
-        if (c->held != CONTACT_MUTUAL)
+        if (c->coupling != CONTACT_MUTUAL)
             continue;
         vec v = pair_sum(c, x), n = c->n, way = c->way;
-        real a = c->along, b = c->slide;
+        real a = c->stiffness_n, b = c->stiffness_t;
         vec y = axpy(scale(b, v), (a - b) * dot(n, v), n);
         s->push[k] = axpy(y, -b * dot(way, v), way);
     }
@@ -66,7 +67,7 @@ static __device__ inline bool find_mutual(const struct linked *l, int32_t item,
 {
     const struct contact *c = &l->s.contact[item / 4];
     *m = {item / 4, c->c[item % 4]};
-    return c->held == CONTACT_MUTUAL;
+    return c->coupling == CONTACT_MUTUAL;
 }
 
 /* Copies the mutual items of places [from, end) to the places from `from` on.

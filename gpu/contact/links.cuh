@@ -4,7 +4,7 @@
 #ifndef GPU_LINKS_CUH
 #define GPU_LINKS_CUH
 
-#include "gpu/contact/contact.cuh"
+#include "gpu/base/real.cuh"
 #include "gpu/contact/lists.cuh"
 
 extern "C" {

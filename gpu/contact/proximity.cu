@@ -6,7 +6,7 @@
 #include "gpu/base/compact.cuh"
 #include "gpu/base/scan.cuh"
 #include "gpu/contact/far.cuh"
-#include "gpu/contact/foot.cuh"
+#include "gpu/contact/one_ring.cuh"
 
 extern "C" {
 #include "ref/contact/proximity.h"
@@ -26,8 +26,9 @@ enum { GROUPS_EACH = 4, MOST_TILES = 8 };
 enum { GROUPS_EACH = 1, MOST_TILES = 3 };
 #endif
 
-static __device__ struct closest measure(const struct proximity *s, int kind,
-                                         const int32_t v[4], struct wide x[4])
+static __device__ struct closest measure_pair(const struct proximity *s,
+                                              int kind, const int32_t v[4],
+                                              struct wide x[4])
 {
     for (int j = 0; j < 4; j++)
         x[j] = widen(s->x[v[j]]);
@@ -41,36 +42,38 @@ static __device__ bool is_least(const struct proximity *s, int split,
                                 const struct closest *r)
 {
     struct still at = {s->x};
-    struct foot f = foot_find_at(split, true, v, x, r->c, r->p);
-    if (!foot_is_nearest(at, &s->fan, &f, FOOT_FREE))
+    struct closest_point f =
+        closest_point_find_at(split, true, v, x, r->c, r->p);
+    if (!closest_point_is_local(at, &s->one_rings, &f, CLOSEST_FREE))
         return false;
     if (split == 1)
         return true;
-    f = foot_find_at(split, false, v, x, r->c, scale(-1, r->p));
-    return foot_is_nearest(at, &s->fan, &f, FOOT_FREE);
+    f = closest_point_find_at(split, false, v, x, r->c, scale(-1, r->p));
+    return closest_point_is_local(at, &s->one_rings, &f, CLOSEST_FREE);
 }
 
 /* §3: the normal: along p, or the primitives' own normal where p is too short
- * to have a direction, or the led surface's where p is none of its normals.
- * False if the pair is no contact. */
+ * to have a direction, or the prescribed surface's where p is none of its
+ * normals. False if the pair is no contact. */
 static __device__ bool find_normal(const struct proximity *s, int kind,
                                    const int32_t v[4], const struct wide x[4],
                                    const struct closest *r, struct wide *n)
 {
     struct wide p = unit(r->p, wide3(1, 0, 0));
-    bool along = r->length2 > 0x1p-80 * r->size2, led[2];
+    bool along = r->length2 > 0x1p-80 * r->size2, prescribed[2];
     int split = kind == CONTACT_VF ? 1 : 2;
     *n = along ? p : unit(nearest_normal(x, kind), p);
     if (along) {
-        find_led(s->w, split, v, led);
-        if (!led[0] && !led[1])
+        find_prescribed(s->w, split, v, prescribed);
+        if (!prescribed[0] && !prescribed[1])
             return is_least(s, split, v, x, r);
         struct still at = {s->x};
-        struct foot f = foot_find_at(split, !led[0], v, x, r->c,
-                                     led[0] ? scale(-1, r->p) : r->p);
-        if (foot_is_nearest(at, &s->fan, &f, FOOT_LED))
+        struct closest_point f =
+            closest_point_find_at(split, !prescribed[0], v, x, r->c,
+                                  prescribed[0] ? scale(-1, r->p) : r->p);
+        if (closest_point_is_local(at, &s->one_rings, &f, CLOSEST_PRESCRIBED))
             return true;
-        if (!foot_turn(at, &s->fan, &f, 0.25, n))
+        if (!closest_point_normal(at, &s->one_rings, &f, 0.25, n))
             return false;
     }
     if (dot(*n, r->p) < 0)
@@ -81,11 +84,11 @@ static __device__ bool find_normal(const struct proximity *s, int kind,
 /* The distance within which a pair of these vertices is a contact. */
 static __device__ real reach_of(const struct proximity *s, const int32_t v[4])
 {
-    return s->range * surface_of(&s->skin, v).thickness;
+    return s->range * surface_of(&s->surfaces, v).thickness;
 }
 
 /* §6: whether candidate k must be measured: it is not surely far. Bad input is
- * told and is not measured. */
+ * known and is not measured. */
 static __device__ bool is_open(const struct proximity *s, int64_t k, int *bad)
 {
     int32_t v[4];
@@ -107,25 +110,27 @@ static __device__ bool is_open(const struct proximity *s, int64_t k, int *bad)
 
 /* §3.4: whether a pair stands for its closest points. Where these are on an
  * edge or at a vertex they are those of other pairs, too. */
-static __device__ bool stands(const struct proximity *s, int kind,
-                              const int32_t v[4], const struct wide x[4],
-                              const struct closest *r)
+static __device__ bool stands_for_points(const struct proximity *s, int kind,
+                                         const int32_t v[4],
+                                         const struct wide x[4],
+                                         const struct closest *r)
 {
     if (kind == CONTACT_EE)
         return r->c[0] != 0 && r->c[1] != 0 && r->c[2] != 0 && r->c[3] != 0;
-    struct foot f = foot_find_at(1, true, v, x, r->c, r->p);
-    return foot_is_first_at(&s->fan, &f, v + 1, v[0]);
+    struct closest_point f = closest_point_find_at(1, true, v, x, r->c, r->p);
+    return closest_point_is_first_at(&s->one_rings, &f, v + 1, v[0]);
 }
 
-static __device__ bool is_near(const struct proximity *s, int64_t k)
+static __device__ bool is_close(const struct proximity *s, int64_t k)
 {
     int32_t v[4];
     struct wide x[4], n;
     int kind = s->kind[k];
     load_pair(s->pair, k, v);
-    struct closest r = measure(s, kind, v, x);
+    struct closest r = measure_pair(s, kind, v, x);
     return sqrt(r.length2) < (double)reach_of(s, v) &&
-           stands(s, kind, v, x, &r) && find_normal(s, kind, v, x, &r, &n);
+           stands_for_points(s, kind, v, x, &r) &&
+           find_normal(s, kind, v, x, &r, &n);
 }
 
 /* §4: the target velocity, which the overlap and the repulsion spring give. */
@@ -139,22 +144,22 @@ static __device__ real push_target(const struct proximity *s,
     return min_of(spring, (R(0.1) * overlap) / s->dt);
 }
 
-static __device__ void emit(const struct proximity *s, int64_t k,
-                            struct contact *to)
+static __device__ void emit_contact(const struct proximity *s, int64_t k,
+                                    struct contact *to)
 {
     struct wide x[4], n;
     struct contact c;
     int kind = s->kind[k];
     load_pair(s->pair, k, c.v);
     c.kind = kind;
-    struct surface skin = surface_of(&s->skin, c.v);
-    struct closest r = measure(s, kind, c.v, x);
+    struct surface surface = surface_of(&s->surfaces, c.v);
+    struct closest r = measure_pair(s, kind, c.v, x);
     nearest_weights(&r, kind, c.c);
     find_normal(s, kind, c.v, x, &r, &n);
     c.n = narrowed(n);
     c.gap = (real)dot(n, r.p);
-    c.friction = skin.friction;
-    c.target = push_target(s, &c, max_of(skin.thickness - c.gap, R(0)));
+    c.friction = surface.friction;
+    c.target = push_target(s, &c, max_of(surface.thickness - c.gap, R(0)));
     clear_contact(&c);
     *to = c;
 }
@@ -193,16 +198,16 @@ KERNEL far_kernel(const struct proximity &s, struct groups g, int64_t *word)
 /* Measures the group's open candidates and lists its contacts, in a part of
  * `at` that was read before. The block that ends last scans base into the place
  * of each group's first contact. */
-KERNEL near_kernel(const struct proximity &s, struct groups g, int64_t *word)
+KERNEL close_kernel(const struct proximity &s, struct groups g, int64_t *word)
 {
     int64_t first = group_first(&g);
     int open = (int)g.base[blockIdx.x], listed = 0, total;
     for (int from = 0; from < open; from += COMPACT_BLOCK) {
         int i = from + (int)threadIdx.x;
         int32_t k = i < open ? s.at[first + i] : 0;
-        bool near = i < open && is_near(&s, k);
-        int place = block_compact(near, &total);
-        if (near)
+        bool close = i < open && is_close(&s, k);
+        int place = block_compact(close, &total);
+        if (close)
             s.at[first + listed + place] = k;
         listed += total;
     }
@@ -226,7 +231,7 @@ KERNEL emit_kernel(const struct proximity &s, struct groups g)
     int64_t first = group_first(&g), to = g.base[blockIdx.x];
     int found = (int)(g.base[blockIdx.x + 1] - to);
     for (int i = (int)threadIdx.x; i < found; i += COMPACT_BLOCK)
-        emit(&s, s.at[first + i], &s.contact[to + i]);
+        emit_contact(&s, s.at[first + i], &s.contact[to + i]);
 }
 
 /* Few candidates are spread over all multiprocessors. Of many, a group has so
@@ -248,7 +253,7 @@ int gpu_proximity(struct gpu *g, struct proximity *s)
     of.base = (int64_t *)gpu_scratch(g, SLOT_STAGE, of.n + 1, sizeof *of.base);
     int64_t *word = gpu_words(g);
     LAUNCH_PARTS(g, of.n, COMPACT_BLOCK, 1, far_kernel, *s, of, word);
-    LAUNCH_PARTS(g, of.n, COMPACT_BLOCK, 2, near_kernel, *s, of, word);
+    LAUNCH_PARTS(g, of.n, COMPACT_BLOCK, 2, close_kernel, *s, of, word);
     const int64_t *seen = gpu_read_back(g, WORDS);
     int status = gpu_status(g);
     if (status != DRAPE_OK)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a round of collision response computes between its stages, on the
+/* The loops of a round of collision response between its stages, on the
  * device: ref/contact/rounds.c. spec/contact/response.md */
 #include "gpu/contact/contact.cuh"
 
@@ -60,7 +60,7 @@ KERNEL rounds_settle_kernel(const struct response &s, struct contact *contact)
 {
     ITEM(k, s.active);
     struct contact *c = &contact[k];
-    real keep = s.margin * surface_of(&s.skin, c->v).thickness;
+    real keep = s.margin * surface_of(&s.surfaces, c->v).thickness;
     c->target = min_of(c->target, (keep - c->gap) / s.dt);
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a round of collision response computes between its stages, on the
+/* The loops of a round of collision response between its stages, on the
  * device: ref/contact/rounds.h. spec/contact/response.md */
 #ifndef GPU_ROUNDS_H
 #define GPU_ROUNDS_H

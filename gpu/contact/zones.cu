@@ -19,7 +19,7 @@ static __device__ struct zone_sum add(const struct zone_sum &p,
 
 /* Sums n members pairwise into sum[0], as a tree whose shape depends on n
  * alone. All threads of the block must call it. */
-static __device__ void tree(struct zone_sum *sum, int64_t n)
+static __device__ void sum_members(struct zone_sum *sum, int64_t n)
 {
     __syncthreads();
     for (int64_t step = 1; step < n; step *= 2) {
@@ -34,13 +34,13 @@ static __device__ real mass_of(const struct zones *s, const struct zone *z,
                                int32_t i)
 {
     bool free = s->w[i] > 0;
-    if (z->led)
+    if (z->prescribed)
         return free ? R(0.0) : R(1.0);
     return 1 / s->w[i];
 }
 
-static __device__ struct zone_sum linear(const struct zones *s,
-                                         const struct zone *z, int32_t i)
+static __device__ struct zone_sum linear_part(const struct zones *s,
+                                              const struct zone *z, int32_t i)
 {
     real m = mass_of(s, z, i);
     struct zone_sum r = {m,
@@ -56,12 +56,12 @@ static __device__ vec arm_of(const struct zones *s, const struct zone *z,
     return sub(sub(s->x0[i], z->base), z->centre);
 }
 
-static __device__ struct zone_sum angular(const struct zones *s,
-                                          const struct zone *z, int32_t i)
+static __device__ struct zone_sum angular_part(const struct zones *s,
+                                               const struct zone *z, int32_t i)
 {
     real m = mass_of(s, z, i);
     vec r = arm_of(s, z, i), d = sub(s->u[i], z->velocity);
-    if (z->led) /* §3.4: the middle of the chord */
+    if (z->prescribed) /* §3.4: the middle of the chord */
         r = axpy(r, R(0.5) * s->dt, d);
     vec mr = scale(m, r), l = cross(mr, d);
     struct zone_sum sum = {m,
@@ -97,8 +97,8 @@ static __device__ vec spin_of(sym i, vec l)
 static __device__ vec limit_spin(vec spin, real dt)
 {
     vec half = scale(R(0.5) * dt, spin);
-    real turn = dot(half, half);
-    return turn > 1 ? scale(1 / root(turn), spin) : spin;
+    real rotation = dot(half, half);
+    return rotation > 1 ? scale(1 / root(rotation), spin) : spin;
 }
 
 /* The mean velocity that moves vertex i with zone z through the step. */
@@ -106,9 +106,9 @@ static __device__ vec rigid_velocity(const struct zones *s,
                                      const struct zone *z, int32_t i)
 {
     vec half = scale(R(0.5) * s->dt, z->spin);
-    vec turn = cross(z->spin, arm_of(s, z, i));
-    turn = add(turn, cross(half, turn));
-    return axpy(z->velocity, 1 / (1 + dot(half, half)), turn);
+    vec rotation = cross(z->spin, arm_of(s, z, i));
+    rotation = add(rotation, cross(half, rotation));
+    return axpy(z->velocity, 1 / (1 + dot(half, half)), rotation);
 }
 
 /* Block b owns zone b: its part of `sum`, and u of its free vertices, which are
@@ -116,7 +116,7 @@ static __device__ vec rigid_velocity(const struct zones *s,
 KERNEL zones_move_kernel(const struct zones &s, const struct key *member,
                          const int64_t *words)
 {
-    __shared__ int led;
+    __shared__ int prescribed;
     int64_t b = blockIdx.x, t = threadIdx.x;
     struct zone z;
     z.first = s.zone[b].first;
@@ -125,24 +125,24 @@ KERNEL zones_move_kernel(const struct zones &s, const struct key *member,
     int64_t n = z.end - z.first;
     const struct key *own = member + z.first;
     struct zone_sum *sum = s.sum + z.first;
-    led = 0;
+    prescribed = 0;
     __syncthreads();
     for (int64_t k = t; k < n; k += ZONE_BLOCK)
         if (!(s.w[own[k].lo] > 0))
-            led = 1;
+            prescribed = 1;
     __syncthreads();
-    z.led = led != 0;
+    z.prescribed = prescribed != 0;
     z.base = s.x0[own[0].lo];
     for (int64_t k = t; k < n; k += ZONE_BLOCK)
-        sum[k] = linear(&s, &z, (int32_t)own[k].lo);
-    tree(sum, n);
+        sum[k] = linear_part(&s, &z, (int32_t)own[k].lo);
+    sum_members(sum, n);
     real m = sum[0].m;
     z.centre = scale(1 / m, sum[0].a);
     z.velocity = scale(1 / m, sum[0].b);
     __syncthreads(); /* all have read sum[0] before it is written again */
     for (int64_t k = t; k < n; k += ZONE_BLOCK)
-        sum[k] = angular(&s, &z, (int32_t)own[k].lo);
-    tree(sum, n);
+        sum[k] = angular_part(&s, &z, (int32_t)own[k].lo);
+    sum_members(sum, n);
     z.spin = limit_spin(spin_of(sum[0].i, sum[0].a), s.dt);
     for (int64_t k = t; k < n; k += ZONE_BLOCK) {
         int32_t i = (int32_t)own[k].lo;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Sums mass and momentum, finds what touches, and turns bodies.
+/* Sums mass and momentum, finds what touches, and rotates bodies.
  * spec/momentum/momentum.md */
 #include "gpu/base/sum.cuh"
 #include "gpu/base/unite.cuh"
@@ -13,7 +13,7 @@ extern "C" {
  * into shared memory; the last part is smaller. */
 enum { AT = MOMENTS, TICKET = MOMENTS + 6, PART = 6, REST = MOMENTS % PART };
 
-static __device__ void put(real item[3], vec a)
+static __device__ void put_vector(real item[3], vec a)
 {
     item[0] = a.x;
     item[1] = a.y;
@@ -28,11 +28,12 @@ static __device__ void find_items(const struct moments &s, int64_t p,
     vec d = sub(s.x[p], s.x[s.count / 2]), e = sub(s.v[p], s.v[s.count / 2]);
     vec md = scale(m, d);
     item[MOMENT_MASS] = m;
-    put(item + MOMENT_PLACE, md);
-    put(item + MOMENT_SPEED, scale(m, e));
-    put(item + MOMENT_SPIN, cross(md, e));
-    put(item + MOMENT_SPREAD, scale(md.x, d));
-    put(item + MOMENT_SPREAD + 3, make(md.y * d.y, md.y * d.z, md.z * d.z));
+    put_vector(item + MOMENT_PLACE, md);
+    put_vector(item + MOMENT_SPEED, scale(m, e));
+    put_vector(item + MOMENT_SPIN, cross(md, e));
+    put_vector(item + MOMENT_SPREAD, scale(md.x, d));
+    put_vector(item + MOMENT_SPREAD + 3,
+               make(md.y * d.y, md.y * d.z, md.z * d.z));
     item[MOMENT_SQUARE] = m * dot(e, e);
 }
 
@@ -56,8 +57,8 @@ KERNEL moments_kernel(const struct moments &s, int64_t *word)
         __syncthreads(); /* before the next part overwrites what they share */
     }
     finish_sums<REST>(s.n_chunks, s.chunk + e * s.n_chunks, sum + e);
-    put(origin, s.x[s.count / 2]);
-    put(origin + 3, s.v[s.count / 2]);
+    put_vector(origin, s.x[s.count / 2]);
+    put_vector(origin + 3, s.v[s.count / 2]);
     for (e = 0; e < MOMENTS + 6 && threadIdx.x == 0; e++)
         *(real *)(word + e) = e < AT ? sum[e] : origin[e - AT];
 }
@@ -123,8 +124,8 @@ int gpu_islands(struct gpu *g, struct islands *s)
 KERNEL spin_kernel(const struct spin &s)
 {
     ITEM(p, s.count);
-    vec turn = cross(s.dw, sub(s.x[p], s.centre));
-    vec to = add(scale(s.keep, s.v[p]), add(s.dv, turn));
+    vec rotation = cross(s.dw, sub(s.x[p], s.centre));
+    vec to = add(scale(s.keep, s.v[p]), add(s.dv, rotation));
     s.to[p] = s.w[p] > 0 ? to : s.v[p];
 }
 

@@ -22,7 +22,7 @@ enum { PAIRS_EACH = 0, PAIRS_MORE = 8 };
 
 /* Lists on the device: triangles, and pairs a < b stored as a·2^32 + b. */
 struct lists {
-    uint32_t *turn;                /* [nt] */
+    uint32_t *orientation;         /* [nt] */
     uint64_t *left, *unsure, *hit; /* [room] each */
     int64_t room;
     uint32_t *slab; /* [WORKERS · SIGNS_ROOM] */
@@ -52,8 +52,8 @@ static __device__ void mark(const struct audit *s, int32_t t, bool flat,
 }
 
 /* Thread t owns triangle t: it writes degenerate[t], or appends t to the list
- * `turn` where the filter is not certain. A block counts its triangles of group
- * 0. */
+ * `orientation` where the filter is not certain. A block counts its triangles
+ * of group 0. */
 KERNEL mark_kernel(const struct audit &s, const struct lists &l, int64_t *word)
 {
     int64_t t = compact_item();
@@ -69,9 +69,9 @@ KERNEL mark_kernel(const struct audit &s, const struct lists &l, int64_t *word)
     }
     struct signs w = {NULL, false};
     struct face f = face_of(&s, (int32_t)t);
-    int sign = turn(&w, f.p, &at);
+    int sign = orientation(&w, f.p, &at);
     if (sign == 0 && w.unsure)
-        l.turn[audit_next(&word[AUDIT_TURNS])] = (uint32_t)t;
+        l.orientation[audit_next(&word[AUDIT_ORIENTATIONS])] = (uint32_t)t;
     else
         mark(&s, (int32_t)t, sign == 0, word);
 }
@@ -88,16 +88,18 @@ static __device__ int64_t worker_of(const struct lists *l, struct big_arena *m)
     return worker;
 }
 
-/* A worker owns items of the list `turn` and writes their degenerate[]. */
+/* A worker owns items of the list `orientation` and writes their degenerate[].
+ */
 KERNEL turn_kernel(const struct audit &s, const struct lists &l, int64_t *word)
 {
     struct big_arena m;
-    int64_t n = word[AUDIT_BAD] ? 0 : word[AUDIT_TURNS];
+    int64_t n = word[AUDIT_BAD] ? 0 : word[AUDIT_ORIENTATIONS];
     for (int64_t i = worker_of(&l, &m); i < n; i += WORKERS) {
         int at;
         struct signs w = {&m, false};
-        struct face f = face_of(&s, (int32_t)l.turn[i]);
-        mark(&s, (int32_t)l.turn[i], turn(&w, f.p, &at) == 0, word);
+        struct face f = face_of(&s, (int32_t)l.orientation[i]);
+        mark(&s, (int32_t)l.orientation[i], orientation(&w, f.p, &at) == 0,
+             word);
     }
 }
 
@@ -241,7 +243,7 @@ int gpu_audit(struct gpu *g, struct audit *s)
     int64_t *word = gpu_words(g);
     s->found = s->n_degenerate = 0;
     gpu_audit_check(g, s, word);
-    l.turn = (uint32_t *)gpu_scratch(g, SLOT_STAGE + 2, s->nt, 4);
+    l.orientation = (uint32_t *)gpu_scratch(g, SLOT_STAGE + 2, s->nt, 4);
     l.slab = (uint32_t *)gpu_scratch(g, SLOT_STAGE + 3,
                                      (int64_t)WORKERS * SIGNS_ROOM, 4);
     LAUNCH_BLOCKS(g, compact_blocks(s->nt), COMPACT_BLOCK, mark_kernel, *s, l,

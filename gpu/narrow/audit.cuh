@@ -16,14 +16,14 @@ enum { AUDIT_BAD_PLACE = 1, AUDIT_BAD_NAME = 2 };
 
 /* The words of gpu_words in this stage. */
 enum {
-    AUDIT_BAD,    /* faults of the input */
-    AUDIT_FIXED,  /* triangles of group 0 */
-    AUDIT_FLAT,   /* degenerate triangles */
-    AUDIT_TURNS,  /* triangles that need integer arithmetic */
-    AUDIT_LEFT,   /* pairs that no filter decides */
-    AUDIT_UNSURE, /* pairs that need integer arithmetic */
-    AUDIT_HITS,   /* pairs that intersect */
-    AUDIT_HIGH,   /* [6] largest x y z -x -y -z, as ordered integers */
+    AUDIT_BAD,          /* faults of the input */
+    AUDIT_FIXED,        /* triangles of group 0 */
+    AUDIT_FLAT,         /* degenerate triangles */
+    AUDIT_ORIENTATIONS, /* triangles that need integer arithmetic */
+    AUDIT_LEFT,         /* pairs that no filter decides */
+    AUDIT_UNSURE,       /* pairs that need integer arithmetic */
+    AUDIT_HITS,         /* pairs that intersect */
+    AUDIT_HIGH,         /* [6] largest x y z -x -y -z, as ordered integers */
     AUDIT_WORDS = AUDIT_HIGH + 6
 };
 

@@ -4,7 +4,7 @@
 #ifndef GPU_EXACT_CUH
 #define GPU_EXACT_CUH
 
-#include "gpu/narrow/whole.cuh"
+#include "gpu/narrow/system.cuh"
 
 extern "C" {
 #include "ref/narrow/narrow.h"

@@ -4,7 +4,7 @@
  * order of a list does not affect the result, because each item writes only its
  * own toi and tier. spec/narrow/narrow.md */
 #include "gpu/base/compact.cuh"
-#include "gpu/contact/contact.cuh"
+#include "gpu/broad/pair.cuh"
 #include "gpu/narrow/exact.cuh"
 #include "gpu/narrow/split.cuh"
 

@@ -30,8 +30,8 @@ struct signs {
 };
 
 /* §2.2: turns n numbers into integers in units of their common lowest bit. */
-static __device__ inline void whole_numbers(struct big_arena *m, int n,
-                                            const double *x, struct big *r)
+static __device__ inline void to_integers(struct big_arena *m, int n,
+                                          const double *x, struct big *r)
 {
     int e = 2000;
     for (int k = 0; k < n; k++)
@@ -43,9 +43,9 @@ static __device__ inline void whole_numbers(struct big_arena *m, int n,
 }
 
 /* Returns the sign of (b - a) × (c - a) · (d - a). */
-static __device__ __noinline__ int orient3_whole(struct big_arena *m,
-                                                 const point a, const point b,
-                                                 const point c, const point d)
+static __device__ __noinline__ int orient3_integer(struct big_arena *m,
+                                                   const point a, const point b,
+                                                   const point c, const point d)
 {
     double x[12];
     struct big w[12], r[9];
@@ -55,7 +55,7 @@ static __device__ __noinline__ int orient3_whole(struct big_arena *m,
         x[6 + k] = c[k];
         x[9 + k] = d[k];
     }
-    whole_numbers(m, 12, x, w);
+    to_integers(m, 12, x, w);
     for (int k = 0; k < 9; k++)
         r[k] = big_sub(m, w[3 + k], w[k % 3]);
     struct big sum = big_zero();
@@ -68,11 +68,11 @@ static __device__ __noinline__ int orient3_whole(struct big_arena *m,
 }
 
 /* Returns the sign of (b - a) × (c - a) in two coordinates. */
-static __device__ __noinline__ int orient2_whole(struct big_arena *m,
-                                                 const double x[6])
+static __device__ __noinline__ int orient2_integer(struct big_arena *m,
+                                                   const double x[6])
 {
     struct big w[6];
-    whole_numbers(m, 6, x, w);
+    to_integers(m, 6, x, w);
     struct big bu = big_sub(m, w[2], w[0]), bv = big_sub(m, w[3], w[1]);
     struct big cu = big_sub(m, w[4], w[0]), cv = big_sub(m, w[5], w[1]);
     return big_sign(big_det(m, bu, cv, bv, cu));
@@ -101,7 +101,7 @@ static __device__ __noinline__ int orient3(struct signs *s, const point a,
         (bz == 0 && cz == 0 && dz == 0))
         return 0;
     if (s->room)
-        return orient3_whole(s->room, a, b, c, d);
+        return orient3_integer(s->room, a, b, c, d);
     s->unsure = true;
     return 0;
 }
@@ -120,7 +120,7 @@ static __device__ __noinline__ int orient2(struct signs *s, const point a,
         return 0;
     double x[6] = {a[u], a[v], b[u], b[v], c[u], c[v]};
     if (s->room)
-        return orient2_whole(s->room, x);
+        return orient2_integer(s->room, x);
     s->unsure = true;
     return 0;
 }

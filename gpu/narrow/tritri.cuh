@@ -7,9 +7,10 @@
 #include "gpu/narrow/facing.cuh"
 #include "gpu/narrow/predicates.cuh"
 
-/* Returns the turn of t in the first coordinate plane where it is not 0. That
- * plane has the coordinates u = *at + 1 and v = *at + 2, modulo 3. */
-static __device__ inline int turn(struct signs *w, const point t[3], int *at)
+/* Returns the orientation of t in the first coordinate plane where it is not 0.
+ * That plane has the coordinates u = *at + 1 and v = *at + 2, modulo 3. */
+static __device__ inline int orientation(struct signs *w, const point t[3],
+                                         int *at)
 {
     for (*at = 0; *at < 3; ++*at) {
         int s = orient2(w, t[0], t[1], t[2], (*at + 1) % 3, (*at + 2) % 3);
@@ -28,7 +29,7 @@ static __device__ inline bool same(int a, int b, int c)
 static __device__ __noinline__ bool
 meets_in_plane(struct signs *w, const point p, const point q, const point t[3])
 {
-    int at, s = turn(w, t, &at), u = (at + 1) % 3, v = (at + 2) % 3;
+    int at, s = orientation(w, t, &at), u = (at + 1) % 3, v = (at + 2) % 3;
     for (int k = 0; k < 3; k++) {
         const double *a = t[k], *b = t[(k + 1) % 3];
         if (orient2(w, a, b, p, u, v) == -s && orient2(w, a, b, q, u, v) == -s)
@@ -102,7 +103,7 @@ static __device__ inline bool folded(struct signs *w, const struct facing *f)
 {
     if (orient3(w, f->t[0], f->t[1], f->t[2], f->s[2]))
         return false;
-    int at, side = turn(w, f->t, &at);
+    int at, side = orientation(w, f->t, &at);
     return orient2(w, f->t[0], f->t[1], f->s[2], (at + 1) % 3, (at + 2) % 3) ==
            side;
 }

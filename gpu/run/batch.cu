@@ -45,16 +45,16 @@ void *gpu_batch_pinned(struct gpu *g)
  * is held. */
 static void meet_workers(struct batch *b, void (*last)(struct batch *b))
 {
-    int64_t turn = b->turns;
+    int64_t before = b->generation;
     if (++b->arrived < b->workers) {
-        while (b->turns == turn)
-            pthread_cond_wait(&b->turn, &b->lock);
+        while (b->generation == before)
+            pthread_cond_wait(&b->change, &b->lock);
         return;
     }
     last(b);
     b->arrived = 0;
-    b->turns++;
-    pthread_cond_broadcast(&b->turn);
+    b->generation++;
+    pthread_cond_broadcast(&b->change);
 }
 
 static void launch_if_left(struct batch *b)
@@ -144,7 +144,7 @@ static bool create(pthread_t *thread, void *(*body)(void *), void *with)
 static void work_all(struct batch *b, struct worker *w, int workers)
 {
     pthread_mutex_init(&b->lock, NULL);
-    pthread_cond_init(&b->turn, NULL);
+    pthread_cond_init(&b->change, NULL);
     pthread_mutex_lock(&b->lock);
     for (int k = 0; k < workers; k++) {
         w[k].batch = b;
@@ -158,7 +158,7 @@ static void work_all(struct batch *b, struct worker *w, int workers)
     run(w);
     for (int k = 1; k < b->workers; k++)
         pthread_join(w[k].thread, NULL);
-    pthread_cond_destroy(&b->turn);
+    pthread_cond_destroy(&b->change);
     pthread_mutex_destroy(&b->lock);
 }
 

@@ -80,9 +80,9 @@ struct batch {
 
     /* Where workers meet, gpu/run/batch.cu. */
     pthread_mutex_t lock;
-    pthread_cond_t turn;
+    pthread_cond_t change;
     int arrived;
-    int64_t turns;
+    int64_t generation;
     bool left; /* a world is not over */
 
     /* How launches become one, gpu/run/gather.cu. */

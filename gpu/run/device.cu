@@ -4,7 +4,7 @@
 #include "gpu/run/loop.cuh"
 
 extern "C" {
-#include "ref/api/ops.h"
+#include "ref/base/info.h"
 }
 
 #include "certificate.h"

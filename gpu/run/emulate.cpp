@@ -3,7 +3,7 @@
 #include "gpu/run/batch.cuh"
 
 extern "C" {
-#include "ref/api/ops.h"
+#include "ref/base/info.h"
 }
 
 #include "certificate.h"

@@ -61,7 +61,7 @@ static struct order order_of(int64_t n, bool first)
     return {n, step % n, step / 2 % n};
 }
 
-static unsigned turn(const struct order *o, int64_t k)
+static unsigned place_in_order(const struct order *o, int64_t k)
 {
     return (unsigned)((o->from + k * o->step) % o->n);
 }
@@ -77,9 +77,9 @@ void emulate_items(int64_t n, int rows, int threads, emulate_call kernel)
     blockDim = {(unsigned)threads, 1, 1};
     for (int64_t b = 0; b < blocks * rows; b++)
         for (int t = 0; t < threads; t++) {
-            unsigned at = turn(&block, b);
+            unsigned at = place_in_order(&block, b);
             blockIdx = {at % gridDim.x, at / gridDim.x, 0};
-            threadIdx = {turn(&thread, t), 0, 0};
+            threadIdx = {place_in_order(&thread, t), 0, 0};
             kernel.run(kernel.with);
         }
 }
@@ -115,8 +115,8 @@ static __thread unsigned thread_of[THREADS]; /* a fiber is */
  */
 struct parked {
     std::mutex lock;
-    std::condition_variable turn;
-    bool others; /* it is the turn of the other blocks */
+    std::condition_variable change;
+    bool others; /* the other blocks run now */
     bool over;   /* they have ended */
     int left;    /* barriers to the one where it waits */
 };
@@ -124,11 +124,11 @@ static __thread struct parked *parked; /* NULL: the block does not wait */
 
 static void park(struct parked *p)
 {
-    std::unique_lock<std::mutex> hold(p->lock);
+    std::unique_lock<std::mutex> lock(p->lock);
     p->others = true;
-    p->turn.notify_all();
+    p->change.notify_all();
     while (!p->over)
-        p->turn.wait(hold);
+        p->change.wait(lock);
 }
 
 /* An asynchronous copy that has not been made yet, and its group. */
@@ -269,9 +269,9 @@ static void order_threads(int ranks)
     struct order warp = order_of(warps, !way.descending);
     struct order lane = order_of(in_warp, !way.descending);
     for (unsigned f = 0; f < in_block; f++)
-        thread_of[f] = turn(&rank, f / in_rank) * in_rank +
-                       turn(&warp, f / in_warp % warps) * in_warp +
-                       turn(&lane, f % in_warp);
+        thread_of[f] = place_in_order(&rank, f / in_rank) * in_rank +
+                       place_in_order(&warp, f / in_warp % warps) * in_warp +
+                       place_in_order(&lane, f % in_warp);
 }
 
 alignas(16) static thread_local double room[EMULATE_RANKS]
@@ -328,9 +328,9 @@ static void be_parked(struct parked *p, const struct launch *l, unsigned block)
     parked = p;
     prepare(l);
     run_one(l, block);
-    std::unique_lock<std::mutex> hold(p->lock);
+    std::unique_lock<std::mutex> lock(p->lock);
     p->others = true;
-    p->turn.notify_all();
+    p->change.notify_all();
 }
 
 static void run_blocks(int64_t each, int rows, int ranks, int threads,
@@ -348,18 +348,18 @@ static void run_blocks(int64_t each, int rows, int ranks, int threads,
     int64_t b = 0;
     if (way.parked && blocks > 1) {
         p.left = way.parked;
-        first = std::thread(be_parked, &p, &l, turn(&block, b++));
-        std::unique_lock<std::mutex> hold(p.lock);
+        first = std::thread(be_parked, &p, &l, place_in_order(&block, b++));
+        std::unique_lock<std::mutex> lock(p.lock);
         while (!p.others)
-            p.turn.wait(hold);
+            p.change.wait(lock);
     }
     for (; b < blocks; b++)
-        run_one(&l, turn(&block, b));
+        run_one(&l, place_in_order(&block, b));
     if (first.joinable()) {
         p.lock.lock();
         p.over = true;
         p.lock.unlock();
-        p.turn.notify_all();
+        p.change.notify_all();
         first.join();
     }
 }
@@ -377,7 +377,7 @@ bool gpu_loop(struct gpu *g, struct loop_key key, const struct loop &of)
     int status = of.first.run(of.first.with);
     while (status == DRAPE_OK && of.again && *of.again && !g->failed &&
            !emulate_lost(false))
-        status = of.turn.run(of.turn.with);
+        status = of.body.run(of.body.with);
     return (status == DRAPE_OK ? of.last.run(of.last.with) : status) ==
            DRAPE_OK;
 }

@@ -33,7 +33,7 @@ struct group {
     int worlds;
 };
 
-static size_t whole(size_t bytes)
+static size_t round_up(size_t bytes)
 {
     return (bytes + ALIGNED - 1) / ALIGNED * ALIGNED;
 }
@@ -67,7 +67,7 @@ void gpu_batch_keep(struct gpu *g, const struct kernel_ways *k,
                     const struct launch_shape *shape, const void *args)
 {
     struct gpu_seat *s = g->seat;
-    size_t all = whole(sizeof(struct kept) + k->bytes);
+    size_t all = round_up(sizeof(struct kept) + k->bytes);
     if (!grow(s, all)) {
         g->failed = DRAPE_ENOMEM;
         return;

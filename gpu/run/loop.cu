@@ -117,22 +117,22 @@ static cudaError_t capture_loop(struct gpu *g, cudaGraph_t graph,
 {
     struct while_node w;
     cudaError_t error = add_while(graph, &w), tied = cudaSuccess;
-    auto look = [&] {
+    auto test = [&] {
         loop_kernel<<<1, 1, 0, g->stream>>>(w.handle, of->again);
     };
-    auto turn = [&] {
-        int done = of->turn.run(of->turn.with);
-        look();
+    auto body = [&] {
+        int done = of->body.run(of->body.with);
+        test();
         return done;
     };
     auto first = [&] {
         int done = of->first.run(of->first.with);
-        look();
+        test();
         tied = put_after(g->stream, &w);
         return done;
     };
     if (error == cudaSuccess)
-        error = capture(g, w.body, NULL, turn, status);
+        error = capture(g, w.body, NULL, body, status);
     if (error == cudaSuccess)
         error = capture(g, graph, NULL, first, status);
     if (error == cudaSuccess && tied == cudaSuccess)

@@ -21,11 +21,11 @@ struct loop_part {
     }
 };
 
-/* What a graph does: `first`; then `turn` while *again, on the device, is not
+/* What a graph does: `first`; then `body` while *again, on the device, is not
  * 0, unless again is NULL; then `last`. */
 struct loop {
     const int32_t *again;
-    loop_part first, turn, last;
+    loop_part first, body, last;
 };
 
 /* Everything that the launches depend on, as plain bytes. A graph that was

@@ -27,7 +27,7 @@ static void *none(struct gpu *g)
     return NULL;
 }
 
-static size_t whole(size_t bytes)
+static size_t round_up(size_t bytes)
 {
     return (bytes + ALIGN - 1) / ALIGN * ALIGN;
 }
@@ -85,7 +85,7 @@ void *gpu_take_copy(struct gpu *g, enum arena_part part, const void *host,
 void gpu_lend(struct gpu *g, void *p, size_t bytes)
 {
     char *from = (char *)p;
-    size_t skip = whole((size_t)(uintptr_t)from) - (size_t)(uintptr_t)from;
+    size_t skip = round_up((size_t)(uintptr_t)from) - (size_t)(uintptr_t)from;
     for (struct gpu_block *b = g->blocks; b; b = b->next)
         if (b->data <= from && from + bytes <= b->data + b->bytes &&
             bytes > skip) {
@@ -102,8 +102,8 @@ static char *gap(const struct gpu *g, const struct gpu_block *b, size_t bytes)
     const struct gpu_block *o = g->blocks;
     while (o && bytes <= (size_t)(end - at)) {
         bool meets = o->borrowed && o->data < at + bytes &&
-                     at < o->data + whole(o->bytes);
-        at = meets ? o->data + whole(o->bytes) : at;
+                     at < o->data + round_up(o->bytes);
+        at = meets ? o->data + round_up(o->bytes) : at;
         o = meets ? g->blocks : o->next;
     }
     return o ? NULL : at;

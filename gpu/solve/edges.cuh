@@ -8,7 +8,7 @@
 #define GPU_EDGES_CUH
 
 #include "gpu/base/cluster.cuh"
-#include "gpu/base/thin.cuh"
+#include "gpu/base/packed.cuh"
 #include "gpu/solve/grid.cuh"
 
 extern "C" {
@@ -51,7 +51,7 @@ static __device__ inline vec cdf_row(const struct product *s,
 }
 
 /* The diagonal is made of mass and extra, or of excess. B is the type in which
- * an edge's block is stored: sym, struct thin or struct rate. */
+ * an edge's block is stored: sym, struct packed or struct rate. */
 template <class B> struct edges {
     struct grid g;
     const real *mass;  /* NULL: the diagonal is made of excess */
@@ -132,9 +132,9 @@ static __device__ inline vec add_by_lanes(vec y, const vec less[EACH],
                                           const vec plus[EACH], int lane)
 {
     UNROLL
-    for (int turn = 0; turn < LANES; turn++) {
-        vec below = turn ? lane_below<APART>(y) : y;
-        if (lane != turn)
+    for (int step = 0; step < LANES; step++) {
+        vec below = step ? lane_below<APART>(y) : y;
+        if (lane != step)
             continue;
         y = below;
         UNROLL

@@ -117,8 +117,8 @@ static __device__ inline sym cook_cut(const struct coarsen *s, struct place at,
 /* Returns the contribution of the fine excess to coarse direction (ci, cj), or
  * for (0, 0) to the excess of the coarse particle. All terms are read before
  * the first is added. */
-static __device__ inline sym share(const struct coarsen *s, struct place at,
-                                   int ci, int cj)
+static __device__ inline sym coarse_sum(const struct coarsen *s,
+                                        struct place at, int ci, int cj)
 {
     enum { AROUND = 9 };
     sym sum = {0, 0, 0, 0, 0, 0}, excess[AROUND];
@@ -153,7 +153,7 @@ static __device__ inline void make_item(const struct coarsen *s, struct grid c,
     int o = (int)(item / s->n_coarse);
     struct place at = place_of(c, item - o * s->n_coarse);
     if (o == STENCIL) {
-        s->coarse_excess[at.p] = share(s, at, 0, 0);
+        s->coarse_excess[at.p] = coarse_sum(s, at, 0, 0);
         return;
     }
     int ci = toward_i<STENCIL>(o), cj = toward_j<STENCIL>(o);
@@ -165,7 +165,7 @@ static __device__ inline void make_item(const struct coarsen *s, struct grid c,
     else
         sum = cook_cut<STENCIL>(s, at, ci, cj);
     if (ci >= -1 && ci <= 1 && cj <= 1)
-        sum = add(sum, share(s, at, ci, cj));
+        sum = add(sum, coarse_sum(s, at, ci, cj));
     s->coarse_block[item] = sum;
 }
 

@@ -3,17 +3,17 @@
  * spec/solve/jacobi.md */
 #include "gpu/solve/jacobi.cuh"
 
-#include "gpu/base/thin.cuh"
+#include "gpu/base/packed.cuh"
 #include "gpu/run/merge.cuh"
 #include "gpu/solve/grid.cuh"
 
 /* The number of directions whose blocks are read before the first is added. */
 enum { AHEAD = 4 };
 
-/* Adds the thin block t. Its products are exact, as in ref/solve/jacobi.h. */
-static __device__ struct wide_sym add(struct wide_sym d, struct thin t)
+/* Adds the packed block t. Its products are exact, as in ref/solve/jacobi.h. */
+static __device__ struct wide_sym add(struct wide_sym d, struct packed t)
 {
-    struct thin_parts a = opened(t);
+    struct packed_parts a = opened(t);
     double x = (double)a.e.x, y = (double)a.e.y, z = (double)a.e.z;
     double s = (double)a.size, all = (double)a.all;
     double sx = s * x, sy = s * y, sz = s * z;
@@ -57,8 +57,8 @@ template <class B> KERNEL jacobi_kernel(const struct jacobi &s, const B *from)
 
 int gpu_jacobi(struct gpu *g, struct jacobi *s)
 {
-    if (s->n_thin)
-        MERGE(g, s->count, (*s, s->thin), jacobi_kernel<struct thin>);
+    if (s->n_packed)
+        MERGE(g, s->count, (*s, s->packed), jacobi_kernel<struct packed>);
     else
         MERGE(g, s->count, (*s, s->block), jacobi_kernel<sym>);
     return gpu_status(g);

@@ -28,8 +28,8 @@ static __device__ inline struct wide_sym add(struct wide_sym d, sym b)
 static __device__ inline sym factored(struct wide_sym d)
 {
     const double *a = d.a;
-    double share = REAL_BITS == 32 ? 1.0 / 67108864 : 1.0 / 36028797018963968;
-    double least = share * (a[0] + a[3] + a[5]);
+    double part = REAL_BITS == 32 ? 1.0 / 67108864 : 1.0 / 36028797018963968;
+    double least = part * (a[0] + a[3] + a[5]);
     if (!(least > 0))
         return sym{0, 0, 0, 0, 0, 0};
     double x = max_of(a[0], least), l1 = a[1] / x, l2 = a[2] / x;

@@ -13,7 +13,7 @@ extern "C" {
 #include "ref/solve/product.h"
 }
 
-/* Iterations that are queued before the first readback, and in each turn of a
+/* Iterations that are queued before the first readback, and in each chunk of a
  * loop. Both are even, as directions alternate between two streams. */
 enum { FIRST = 4, NEXT = 2 };
 
@@ -38,9 +38,6 @@ struct beginning {
     real *item;
 };
 
-/* Of the last step, by Jacobi. */
-#define LAST_PART (R(2.0) / 3)
-
 /* What a graph does: makes M, finds r·M⁻¹ r, or solves. */
 enum task { SET_UP, MEASURE, SOLVE };
 
@@ -53,7 +50,7 @@ struct solve {
     vec *r, *p[2], *q, *dv;
     const vec *b;  /* or the r of MEASURE */
     const real *w; /* [nv] 1/kg, 0: fixed */
-    const sym *hold, *wall;
+    const sym *bound, *single;
     real *item, *chunk;
     int32_t task;
     int32_t touch; /* 1: there are contacts */
@@ -202,7 +199,7 @@ static struct pcg part_of(const struct joint_system *w,
     const struct joint *a = w->joint;
     struct pcg p = s->pcg;
     p.n_extra = p.count;
-    p.extra = a->hold + s->first;
+    p.extra = a->bound + s->first;
     p.r = a->r + s->first;
     p.dv = a->dv + s->first;
     p.n_z = 0;
@@ -244,7 +241,7 @@ static int alike(const struct joint_system *w, int k)
         const struct pcg *b = &w->part[k + n].pcg;
         if (a->m != b->m || a->n != b->n || b->n_cdf || w->part[k + n].rate ||
             a->precond != b->precond || a->triples != b->triples ||
-            a->n_thin != b->n_thin)
+            a->n_packed != b->n_packed)
             break;
     }
     return n;
@@ -317,7 +314,7 @@ static void search(const struct joint_system *w, const struct solve *a,
     each_cloth(w, [&](int k) {
         const struct joint_part *s = &w->part[k];
         struct pcg p = part_of(w, s);
-        p.extra = w->joint->wall + s->first;
+        p.extra = w->joint->single + s->first;
         p.q = a->q + s->first;
         gpu_pcg_search(g, &p,
                        {a->c, s->rate, from + s->first, to + s->first,
@@ -329,8 +326,8 @@ static void search(const struct joint_system *w, const struct solve *a,
     LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_curvature_kernel, *a, to);
 }
 
-static void iterate(const struct joint_system *w, const struct solve *a,
-                    int times)
+static void iterate_gradients(const struct joint_system *w,
+                              const struct solve *a, int times)
 {
     for (int k = 0; k < times; k++) {
         const vec *from = a->p[k % 2];
@@ -344,11 +341,12 @@ static void iterate(const struct joint_system *w, const struct solve *a,
 }
 
 /* A last step along M⁻¹ r, which the test of the tolerance has left in s. */
-static void improve(const struct joint_system *w, const struct solve *a)
+static void improve_solution(const struct joint_system *w,
+                             const struct solve *a)
 {
     each_cloth(w, [&](int k) {
         struct pcg p = part_of(w, &w->part[k]);
-        real part = p.precond == DRAPE_JACOBI ? LAST_PART : R(1.0);
+        real part = p.precond == DRAPE_JACOBI ? JOINT_LAST_PART : R(1.0);
         MERGE(w->gpu, p.count,
               ((const struct pcg_state *)a->c, p.count, p.dv, (const vec *)p.s,
                part),
@@ -358,7 +356,7 @@ static void improve(const struct joint_system *w, const struct solve *a)
 }
 
 /* q = A dv of each cloth. */
-static void multiply(const struct joint_system *w, const struct solve *a)
+static void multiply_matrix(const struct joint_system *w, const struct solve *a)
 {
     struct gpu *g = w->gpu;
     each_cloth(w, [&](int k) {
@@ -423,16 +421,16 @@ static int run(const struct joint_system *w, const struct solve *a)
     struct gpu *g = w->gpu;
     auto first = [&] {
         LAUNCH(g, a->nc, joint_open_kernel, *a);
-        iterate(w, a, FIRST);
+        iterate_gradients(w, a, FIRST);
         return (int)DRAPE_OK;
     };
     auto next = [&] {
-        iterate(w, a, NEXT);
+        iterate_gradients(w, a, NEXT);
         return (int)DRAPE_OK;
     };
     auto last = [&] {
-        improve(w, a);
-        multiply(w, a);
+        improve_solution(w, a);
+        multiply_matrix(w, a);
         return (int)DRAPE_OK;
     };
     if (gpu_loop(g, loop_key{a, sizeof *a}, {&a->c->go, first, next, last}))
@@ -455,7 +453,7 @@ static void write_solve(struct solve *a, const struct joint_system *w,
     a->task = task;
     a->touch = task == SOLVE && s->links.n > 0;
     a->epoch = s->epoch;
-    a->hold = s->hold;
+    a->bound = s->bound;
     if (task == SET_UP)
         return;
     a->c = (struct joint_state *)gpu_words(w->gpu);
@@ -469,7 +467,7 @@ static void write_solve(struct solve *a, const struct joint_system *w,
     a->dv = s->dv;
     a->b = b;
     a->w = w->w;
-    a->wall = s->wall;
+    a->single = s->single;
     a->item = s->item;
     a->chunk = s->chunk;
     if (w->n > 1 || w->part[0].pcg.count < s->nc)

@@ -20,9 +20,9 @@ struct level {
     const uint8_t *fixed; /* NULL: all particles are free */
     uint8_t *rule;        /* rules of interpolation from the next grid */
     sym *excess;
-    const sym *block;        /* [SPRINGS or STENCIL · count] */
-    const struct thin *thin; /* read in place of block, unless NULL */
-    const sym *factor;       /* of the diagonal blocks, jacobi.md §2 */
+    const sym *block;            /* [SPRINGS or STENCIL · count] */
+    const struct packed *packed; /* read in place of block, unless NULL */
+    const sym *factor;           /* of the diagonal blocks, jacobi.md §2 */
     vec *b;            /* right-hand side; for the finest grid the caller's r */
     vec *x;            /* on the way down the residual, then the solution */
     vec *y;            /* what is smoothed before x is known */

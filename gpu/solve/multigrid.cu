@@ -21,7 +21,7 @@ static int lay_out(const struct multigrid *s, sym *lent, const int32_t *go,
     fine.rule = s->live + s->count;
     fine.excess = lent ? lent : s->pool;
     fine.block = s->block;
-    fine.thin = s->n_thin ? s->thin : NULL;
+    fine.packed = s->n_packed ? s->packed : NULL;
     fine.factor = s->factor;
     fine.b = (vec *)s->r; /* only read */
     fine.x = s->z;
@@ -93,9 +93,9 @@ KERNEL multigrid_prolong_kernel(const struct level &f, const struct raised &s)
 template <class X, class END>
 static void multiply(struct gpu *g, const struct level *l, X x, END end)
 {
-    edges<struct thin> thin = {l->g, l->mass, l->extra, NULL, l->thin};
-    if (l->thin)
-        product_of<SPRINGS>(g, thin, x, end, l->go);
+    edges<struct packed> packed = {l->g, l->mass, l->extra, NULL, l->packed};
+    if (l->packed)
+        product_of<SPRINGS>(g, packed, x, end, l->go);
     else if (l->mass)
         product_of<SPRINGS>(g, edges_of(l), x, end, l->go);
     else

@@ -14,10 +14,10 @@
  * of every rank. */
 struct patch {
     struct grid g;
-    int32_t count, share;     /* particles of the grid, and of a rank */
+    int32_t count, per_rank;  /* particles of the grid, and of a rank */
     int32_t reach;            /* the largest |q - p| where row q reads y of p */
     uint32_t inverse, across; /* of share and of m, for quotient */
-    bool whole;               /* each rank owns all particles */
+    bool replicated;          /* each rank owns all particles */
     int32_t table;            /* offset of struct edge [STENCIL] */
     int32_t rules;            /* offset of the rules of all particles */
     /* Offsets of the blocks of edge o that start at the rank's particles, or at
@@ -75,14 +75,15 @@ static __host__ __device__ inline int edge_step(struct grid g, int o)
 /* Returns the number of blocks of edge o that a rank keeps. */
 static __host__ __device__ inline int edge_size(const struct patch *l, int o)
 {
-    int size = l->share + edge_step(l->g, o);
+    int size = l->per_rank + edge_step(l->g, o);
     return size < l->count ? size : l->count;
 }
 
 static __device__ inline struct run run_of(const struct patch *l)
 {
-    int first = l->whole ? 0 : min_of(group_rank() * l->share, l->count);
-    int own = min_of(l->share, l->count - first);
+    int first =
+        l->replicated ? 0 : min_of(group_rank() * l->per_rank, l->count);
+    int own = min_of(l->per_rank, l->count - first);
     int low = max_of(first - l->reach, 0);
     int high = own ? min_of(first + own + l->reach, l->count) : low;
     return run{first, own, low, high, l->table, l->g, l->across};
@@ -194,10 +195,10 @@ static __device__ inline bool owns(struct run r, int p)
 /* Reads the residual or x of a particle from the rank that owns it. */
 static __device__ inline vec owned(const struct patch *l, int from, int p)
 {
-    if (l->whole)
+    if (l->replicated)
         return slot_at(from, p);
     int rank = quotient(p, l->inverse);
-    return value_of(cluster_at(slots(from), rank)[p - rank * l->share]);
+    return value_of(cluster_at(slots(from), rank)[p - rank * l->per_rank]);
 }
 
 /* Returns the bytes that a stream of n blocks takes at any offset within 16
@@ -211,16 +212,17 @@ static int64_t stream_size(int64_t n)
  * where they end. last: this is the coarsest grid, which keeps no edges. */
 static int64_t lay_patch(struct patch *l, int64_t at, bool last)
 {
-    int64_t share = l->share, wide = share + 2 * l->reach;
+    int64_t per_rank = l->per_rank, wide = per_rank + 2 * l->reach;
     wide = wide < l->count ? wide : l->count;
     for (int o = 0; o < STENCIL && !last; o++) {
         l->edge[o] = (int32_t)at;
         at += stream_size(edge_size(l, o));
     }
     int64_t slot = (int)sizeof(struct slot);
-    int64_t size[] = {stream_size(share), stream_size(wide),
-                      share * slot,       share * slot,
-                      wide * slot,        STENCIL * (int)sizeof(struct edge)};
+    int64_t size[] = {
+        stream_size(per_rank), stream_size(wide),
+        per_rank * slot,       per_rank * slot,
+        wide * slot,           STENCIL * (int)sizeof(struct edge)};
     int32_t *place[] = {&l->excess, &l->factor, &l->left,
                         &l->x,      &l->y,      &l->table};
     for (int k = 0; k < 6; k++) {
@@ -236,10 +238,10 @@ static struct patch patch_of(const struct level *l, int ranks)
     struct patch p = {};
     p.g = l->g;
     p.count = l->count;
-    p.whole = ranks == 1;
-    p.share = (l->count + ranks - 1) / ranks;
+    p.replicated = ranks == 1;
+    p.per_rank = (l->count + ranks - 1) / ranks;
     p.reach = 2 * l->g.m + 2;
-    p.inverse = inverse_of(p.share);
+    p.inverse = inverse_of(p.per_rank);
     p.across = inverse_of(l->g.m);
     p.block_from = l->block;
     p.factor_from = l->factor;

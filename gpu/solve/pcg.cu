@@ -6,19 +6,19 @@
 #include "gpu/run/loop.cuh"
 
 /* Iterations that are queued between two readbacks or two tests of a loop:
- * Jacobi's first turn and later ones, multigrid's on small grids and in a loop.
- * Multiples of RING, as each turn begins with the first direction of the ring.
- * On a small grid a readback takes longer than iterations that turn out to be
- * superfluous. */
+ * Jacobi's first chunk and later ones, multigrid's on small grids and in a
+ * loop. Multiples of RING, as each chunk begins with the first direction of the
+ * ring. On a small grid a readback takes longer than iterations that turn out
+ * to be superfluous. */
 enum {
-    TURN = 8,
-    TURN_MOST = 32,
-    TURN_GRID = 4,
-    TURN_LOOP = 2,
+    CHUNK = 8,
+    CHUNK_MOST = 32,
+    CHUNK_GRID = 4,
+    CHUNK_LOOP = 2,
     SMALL_GRID = 1 << 17
 };
 
-static_assert(TURN % (int)RING == 0 && TURN_MOST % (int)RING == 0, "turns");
+static_assert(CHUNK % (int)RING == 0 && CHUNK_MOST % (int)RING == 0, "chunks");
 static_assert(sizeof(struct pcg_state) <= GPU_WORDS * sizeof(int64_t), "words");
 
 /* §3: to = s + β p, q = A to, and the sum of to·q. */
@@ -35,26 +35,26 @@ static void search(struct gpu *g, struct pcg *s, struct pcg_state *c,
 static void iterate(struct gpu *g, struct pcg *s, struct pcg_state *c,
                     struct scratch scratch, int k)
 {
-    int turn = k % scratch.ring;
-    vec *p = scratch.p[(turn + scratch.ring - 1) % scratch.ring],
-        *to = scratch.p[turn];
+    int place = k % scratch.ring;
+    vec *p = scratch.p[(place + scratch.ring - 1) % scratch.ring],
+        *to = scratch.p[place];
     if (!scratch.jacobi) {
         gpu_multigrid_cycle(g, &s->grid, lent_by(s), &c->go, scratch.item);
         LAUNCH_BLOCKS(g, item_blocks(s->count), SUM_CHUNK, pcg_sum_kernel, *s,
                       c, scratch, false);
     }
     search(g, s, c, scratch, p, to);
-    bool waits = gpu_pcg_sweeps(s) && turn + 1 < scratch.ring;
+    bool waits = gpu_pcg_sweeps(s) && place + 1 < scratch.ring;
     int64_t blocks = UPDATES * g->multiprocessors;
     LAUNCH_AT_ONCE(g, blocks < s->n_chunks ? blocks : s->n_chunks, SUM_CHUNK,
                    UPDATES, pcg_update_kernel, *s, c, scratch,
                    waits ? NULL : to);
 }
 
-/* Queues a turn: iterations, which are numbered from `queued` on, then the true
- * residual. */
-static void take_turn(struct gpu *g, struct pcg *s, struct pcg_state *c,
-                      struct scratch scratch, int queued, int iterations)
+/* Queues a chunk: iterations, which are numbered from `queued` on, then the
+ * true residual. */
+static void queue_chunk(struct gpu *g, struct pcg *s, struct pcg_state *c,
+                        struct scratch scratch, int queued, int iterations)
 {
     if (scratch.jacobi)
         LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_jacobi_kernel, *s, c,
@@ -108,46 +108,46 @@ static struct pcg_state read_state(struct gpu *g)
     return seen;
 }
 
-/* Queues the first turn, and then turns as a loop on the device until the solve
- * has ended or the host must decide; or the first turn alone, if the device has
- * no such loop. */
+/* Queues the first chunk, and then chunks as a loop on the device until the
+ * solve has ended or the host must decide; or the first chunk alone, if the
+ * device has no such loop. */
 static int queue(struct gpu *g, struct pcg *s, struct pcg_state *c,
                  struct scratch scratch, int iterations)
 {
     struct solve_key key;
     auto first = [&] {
         int status = prepare(g, s, c, scratch);
-        take_turn(g, s, c, scratch, 0, iterations);
+        queue_chunk(g, s, c, scratch, 0, iterations);
         return status;
     };
-    auto turn = [&] {
-        take_turn(g, s, c, scratch, 0,
-                  scratch.jacobi ? (int)TURN_MOST : (int)TURN_LOOP);
+    auto body = [&] {
+        queue_chunk(g, s, c, scratch, 0,
+                    scratch.jacobi ? (int)CHUNK_MOST : (int)CHUNK_LOOP);
         return (int)DRAPE_OK;
     };
     write_key(&key, s, c, &scratch);
     LAUNCH(g, 1, pcg_open_kernel, c, s->scale, s->square);
-    return gpu_loop(g, loop_key{&key, sizeof key}, {&c->again, first, turn, {}})
+    return gpu_loop(g, loop_key{&key, sizeof key}, {&c->again, first, body, {}})
                ? (int)DRAPE_OK
                : first();
 }
 
 /* Runs the solve to its end. The host reads the state back, and again after
- * each turn if the device has no loops or multigrid gave up. */
+ * each chunk if the device has no loops or multigrid gave up. */
 static struct pcg_state solve(struct gpu *g, struct pcg *s,
                               struct scratch scratch, int *status)
 {
     struct pcg_state *c = (struct pcg_state *)gpu_words(g), seen = {};
     bool small = s->count <= SMALL_GRID;
-    int queued = scratch.jacobi ? TURN : small ? TURN_GRID : TURN_LOOP;
+    int queued = scratch.jacobi ? CHUNK : small ? CHUNK_GRID : CHUNK_LOOP;
     *status = queue(g, s, c, scratch, queued);
     if (*status == DRAPE_OK)
         seen = read_state(g);
     while (*status == DRAPE_OK && seen.phase != PHASE_DONE) {
         scratch.jacobi = s->precond == DRAPE_JACOBI || seen.fell_back;
-        int grids = small ? TURN_GRID : 1;
-        int iterations = scratch.jacobi ? TURN_MOST : grids;
-        take_turn(g, s, c, scratch, queued, iterations);
+        int grids = small ? CHUNK_GRID : 1;
+        int iterations = scratch.jacobi ? CHUNK_MOST : grids;
+        queue_chunk(g, s, c, scratch, queued, iterations);
         queued += iterations;
         seen = read_state(g);
         if (gpu_status(g) != DRAPE_OK)

@@ -29,7 +29,7 @@ struct pcg_state {
     int32_t go;      /* 1 if phase is PHASE_ITERATE */
     int32_t first;   /* 1: there is no direction since the (re)start */
     int32_t fresh;   /* 1: r·M⁻¹r of the current r is not known yet */
-    int32_t again;   /* 1: another turn of the loop; 0: the host decides */
+    int32_t again;   /* 1: another chunk; 0: the host decides */
     int32_t outcome; /* enum pcg_outcome */
     int32_t iterations, fell_back;
     int32_t waits;           /* steps that have not been added to dv yet */
@@ -118,9 +118,9 @@ static __device__ inline void enter(const struct pcg *s, struct pcg_state *c,
         if (c->first && !c->fell_back)
             c->from = max_of(next, c->from);
         c->recurrence = root(next / c->from);
-        bool near = c->recurrence <= s->tolerance &&
-                    root(c->left / c->most) <= s->tolerance;
-        if (next == 0 || near) {
+        bool converged = c->recurrence <= s->tolerance &&
+                         root(c->left / c->most) <= s->tolerance;
+        if (next == 0 || converged) {
             end(c, PCG_CONVERGED);
             return;
         }

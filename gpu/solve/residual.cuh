@@ -11,14 +11,16 @@ extern "C" {
 #include "ref/solve/residual.h"
 }
 
-static __device__ inline struct wide whole(const struct residual *s, int p)
+static __device__ inline struct wide solution_of(const struct residual *s,
+                                                 int p)
 {
     struct wide x = widen(s->x[p]), low = widen(s->low[p]);
     return wide3(x.x + low.x, x.y + low.y, x.z + low.z);
 }
 
 /* Returns r - a d. */
-static __device__ inline struct wide less(struct wide r, sym a, struct wide d)
+static __device__ inline struct wide subtract_product(struct wide r, sym a,
+                                                      struct wide d)
 {
     double xx = (double)a.xx, xy = (double)a.xy, xz = (double)a.xz;
     double yy = (double)a.yy, yz = (double)a.yz, zz = (double)a.zz;
@@ -31,18 +33,20 @@ static __device__ inline vec left_over(const struct residual *s,
                                        struct place at)
 {
     struct grid g = {s->m, s->n};
-    struct wide x = whole(s, at.p);
+    struct wide x = solution_of(s, at.p);
     struct wide r = axpy(widen(s->b[at.p]), -(double)s->mass[at.p], x);
     if (s->n_extra)
-        r = less(r, s->extra[at.p], x);
+        r = subtract_product(r, s->extra[at.p], x);
     for (int o = 0; o < SPRINGS; o++) {
         const sym *block = s->block + o * s->count;
         int di = forward_i(o), dj = forward_j(o);
         int before = at.p - (di + g.m * dj), after = at.p + (di + g.m * dj);
         if (within(g, at.i - di, at.j - dj))
-            r = less(r, fetch(block + before), sub(x, whole(s, before)));
+            r = subtract_product(r, fetch(block + before),
+                                 sub(x, solution_of(s, before)));
         if (within(g, at.i + di, at.j + dj))
-            r = less(r, fetch(block + at.p), sub(x, whole(s, after)));
+            r = subtract_product(r, fetch(block + at.p),
+                                 sub(x, solution_of(s, after)));
     }
     return narrowed(r);
 }

@@ -9,13 +9,14 @@
 #include "gpu/solve/patch_row.cuh"
 #include "gpu/solve/smooth.cuh"
 
-/* TAIL_LEVELS: the most grids. TAIL_WHOLE: a grid of at most so many particles
- * is computed whole by each rank if it fits, as barriers of a block are faster.
+/* TAIL_LEVELS: the most grids. TAIL_REPLICATED: a grid of at most so many
+ * particles is computed whole by each rank if it fits, as barriers of a block
+ * are faster.
  */
 #ifdef __CUDACC__
-enum { TAIL_BLOCK = 512, TAIL_LEVELS = 16, TAIL_WHOLE = 200 };
+enum { TAIL_BLOCK = 512, TAIL_LEVELS = 16, TAIL_REPLICATED = 200 };
 #else
-enum { TAIL_BLOCK = 64, TAIL_LEVELS = 16, TAIL_WHOLE = 30 };
+enum { TAIL_BLOCK = 64, TAIL_LEVELS = 16, TAIL_REPLICATED = 30 };
 #endif
 
 struct tail {
@@ -149,7 +150,7 @@ static __device__ inline void open_first(const struct tail *s)
 /* Waits for all ranks that have particles of this grid. */
 static __device__ inline void patch_sync(const struct patch *l)
 {
-    cluster_sync_shared(l->whole);
+    cluster_sync_shared(l->replicated);
 }
 
 /* The residual after y. later: copies for grids after the next may go on. */
@@ -346,16 +347,16 @@ KERNEL tail_kernel(const struct tail &s)
         cycle<false>(&s);
 }
 
-/* Lays out the levels from `first` on as patches, those from `whole` on whole
- * in each rank. Returns the bytes of shared memory of a rank. */
+/* Lays out the levels from `first` on as patches, those from `replicated` on
+ * whole in each rank. Returns the bytes of shared memory of a rank. */
 static int64_t lay_tail(struct tail *s, const struct level *l, int levels,
-                        int first, int whole, int ranks)
+                        int first, int replicated, int ranks)
 {
     int64_t at = 0, n = 3 * (int64_t)l[levels - 1].count, rules = 0;
     s->levels = levels - first;
     for (int k = first; k < levels; k++) {
         struct patch *p = &s->patch[k - first];
-        *p = patch_of(&l[k], k >= whole ? 1 : ranks);
+        *p = patch_of(&l[k], k >= replicated ? 1 : ranks);
         at = lay_patch(p, at, k == levels - 1);
     }
     for (int k = 0; k < s->levels - 1; k++) {
@@ -375,12 +376,12 @@ static int64_t lay_tail(struct tail *s, const struct level *l, int levels,
 static int64_t fit_ranks(struct tail *s, const struct level *l, int levels,
                          int first, int ranks, int64_t room)
 {
-    int whole = levels - 1;
+    int replicated = levels - 1;
     int64_t bytes = 0;
-    while (whole > first && l[whole - 1].count <= TAIL_WHOLE)
-        whole--;
-    for (; whole < levels; whole++) {
-        bytes = lay_tail(s, l, levels, first, whole, ranks);
+    while (replicated > first && l[replicated - 1].count <= TAIL_REPLICATED)
+        replicated--;
+    for (; replicated < levels; replicated++) {
+        bytes = lay_tail(s, l, levels, first, replicated, ranks);
         if (bytes <= room)
             break;
     }

@@ -9,9 +9,9 @@ extern "C" {
 #include "gpu/contact/queue.h"
 #include "gpu/contact/rounds.h"
 #include "gpu/contact/unknowns.h"
-#include "gpu/sleep/rouse.h"
+#include "gpu/sleep/wake.h"
 #include "gpu/world/backend.h"
-#include "gpu/world/led.h"
+#include "gpu/world/prescribed.h"
 #include "gpu/world/systems.h"
 #include "ref/narrow/audit.h"
 }
@@ -21,14 +21,14 @@ static struct gpu *gpu_of(void *on)
     return (struct gpu *)on;
 }
 
-static void *take(void *on, enum arena_part part, int64_t n, size_t size)
+static void *take_stream(void *on, enum arena_part part, int64_t n, size_t size)
 {
     return gpu_take(gpu_of(on), part, n, size);
 }
 
 /* A pool that need not outlast a solve is borrowed from the solvers' memory. */
-static int grow(void *on, struct pool *pool, int64_t need, size_t size,
-                bool kept)
+static int grow_pool(void *on, struct pool *pool, int64_t need, size_t size,
+                     bool kept)
 {
     struct gpu *g = gpu_of(on);
     int64_t cap = gpu_capacity(g, need);
@@ -39,17 +39,17 @@ static int grow(void *on, struct pool *pool, int64_t need, size_t size,
     return gpu_status(g);
 }
 
-static void give(void *on, void *p)
+static void give_stream(void *on, void *p)
 {
     gpu_give(gpu_of(on), p);
 }
 
-static void copy(void *on, void *to, const void *from, size_t bytes)
+static void copy_bytes(void *on, void *to, const void *from, size_t bytes)
 {
     gpu_copy(gpu_of(on), to, from, bytes);
 }
 
-static void clear(void *on, void *p, size_t bytes)
+static void clear_bytes(void *on, void *p, size_t bytes)
 {
     gpu_clear(gpu_of(on), p, bytes);
 }
@@ -59,26 +59,26 @@ static void send(void *on, void *to, const void *from, size_t bytes)
     gpu_up(gpu_of(on), to, from, bytes);
 }
 
-static void begin(void *on)
+static void begin_work(void *on)
 {
     gpu_begin(gpu_of(on));
     if (gpu_of(on)->together)
         gpu_batch_step(gpu_of(on));
 }
 
-static void wait(void *on)
+static void wait_for_work(void *on)
 {
     if (!gpu_of(on)->together) /* else only others' time would be measured */
         gpu_wait(gpu_of(on));
 }
 
-static int status(void *on)
+static int get_status(void *on)
 {
     return gpu_status(gpu_of(on));
 }
 
-static void trace(void *on, struct trace *t, const char *stage, const void *out,
-                  size_t bytes)
+static void trace_output(void *on, struct trace *t, const char *stage,
+                         const void *out, size_t bytes)
 {
     gpu_trace(gpu_of(on), t, stage, out, bytes);
 }
@@ -122,7 +122,7 @@ static int retain(void *on, struct retain *s)
     return gpu_retain_queue(gpu_of(on), s, gpu_queue_words(gpu_of(on)));
 }
 
-static int motion(void *on, struct sheet *s)
+static int run_motion(void *on, struct sheet *s)
 {
     return gpu_motion(gpu_of(on), s);
 }
@@ -132,36 +132,37 @@ static int motion_part(void *on, struct sheet *s, int part)
     return gpu_motion_part(gpu_of(on), s, part);
 }
 
-static void energy(void *on, struct sheet *s, const vec *x, const vec *v,
-                   double value[3])
+static void find_energy(void *on, struct sheet *s, const vec *x, const vec *v,
+                        double value[3])
 {
     gpu_motion_energy(gpu_of(on), s, x, v, value);
 }
 
-static int ask(void *on, struct broad *b, const vec *x0, const vec *x1, real r,
-               bool *apart)
+static int ask_meshes_apart(void *on, struct broad *b, const vec *x0,
+                            const vec *x1, real r, bool *apart)
 {
-    return gpu_broad_whole_apart(gpu_of(on), b, x0, x1, r, apart);
+    return gpu_broad_meshes_apart(gpu_of(on), b, x0, x1, r, apart);
 }
 
-static int query(void *on, struct broad *b, const vec *x0, const vec *x1,
-                 real r, const uint8_t *moved)
+static int run_query(void *on, struct broad *b, const vec *x0, const vec *x1,
+                     real r, const uint8_t *moved)
 {
     return gpu_broad_query(gpu_of(on), b, x0, x1, r, moved);
 }
 
-static void start(void *on, struct response *s)
+static void start_response(void *on, struct response *s)
 {
     gpu_rounds_start(gpu_of(on), s);
 }
 
-static void advance(void *on, struct response *s, int64_t n,
-                    const int32_t *vertex, const uint8_t *moved, bool stop)
+static void advance_vertices(void *on, struct response *s, int64_t n,
+                             const int32_t *vertex, const uint8_t *moved,
+                             bool stop)
 {
     gpu_rounds_advance(gpu_of(on), s, n, vertex, moved, stop);
 }
 
-static void touch(void *on, const struct response *s)
+static void touch_vertices(void *on, const struct response *s)
 {
     gpu_rounds_touch(gpu_of(on), s);
 }
@@ -172,41 +173,41 @@ static void cap_targets(void *on, const struct response *s,
     gpu_rounds_settle(gpu_of(on), s, contact);
 }
 
-static void shift(void *on, const struct shift *s)
+static void shift_state(void *on, const struct shift *s)
 {
     gpu_unknowns_shift(gpu_of(on), s);
 }
 
-static void jump(void *on, const struct jumps *s)
+static void find_jump(void *on, const struct jumps *s)
 {
     gpu_unknowns_jump(gpu_of(on), s);
 }
 
-static void lessen(void *on, int64_t n, real part, const vec *q, vec *r)
+static void subtract_part(void *on, int64_t n, real part, const vec *q, vec *r)
 {
     gpu_unknowns_lessen(gpu_of(on), n, part, q, r);
 }
 
-static void pin(void *on, int64_t n, const int32_t *pinned, const vec *x,
-                vec *to)
+static void place_pins(void *on, int64_t n, const int32_t *pinned, const vec *x,
+                       vec *to)
 {
-    gpu_led_pin(gpu_of(on), n, pinned, x, to);
+    gpu_prescribed_pin(gpu_of(on), n, pinned, x, to);
 }
 
-static void blend(void *on, const struct blend *s)
+static void blend_places(void *on, const struct blend *s)
 {
-    gpu_led_blend(gpu_of(on), s);
+    gpu_prescribed_blend(gpu_of(on), s);
 }
 
-static void keep(void *on, int64_t n, const uint8_t *fixed, const vec *old,
-                 vec *a)
+static void keep_fixed(void *on, int64_t n, const uint8_t *fixed,
+                       const vec *old, vec *a)
 {
-    gpu_led_keep(gpu_of(on), n, fixed, old, a);
+    gpu_prescribed_keep(gpu_of(on), n, fixed, old, a);
 }
 
-static bool sane(void *on, int64_t n, const vec *a)
+static bool are_sane(void *on, int64_t n, const vec *a)
 {
-    return gpu_led_sane(gpu_of(on), n, a);
+    return gpu_prescribed_sane(gpu_of(on), n, a);
 }
 
 static void fetch(void *on, void *host, const void *from, size_t bytes)
@@ -214,107 +215,109 @@ static void fetch(void *on, void *host, const void *from, size_t bytes)
     gpu_down(gpu_of(on), host, from, bytes);
 }
 
-static void laws(void *on, struct sheet *s)
+static void renew_laws(void *on, struct sheet *s)
 {
     gpu_motion_laws(gpu_of(on), s);
 }
 
-static bool differs(void *on, int64_t n, const int32_t *at, const vec *x0,
-                    const vec *x1)
+static bool find_difference(void *on, int64_t n, const int32_t *at,
+                            const vec *x0, const vec *x1)
 {
-    return gpu_led_differs(gpu_of(on), n, at, x0, x1);
+    return gpu_prescribed_differs(gpu_of(on), n, at, x0, x1);
 }
 
-static void rouse(void *on, struct rouse *s)
+static void find_disturbed(void *on, struct wake *s)
 {
-    gpu_rouse_near(gpu_of(on), s);
+    gpu_wake_find(gpu_of(on), s);
 }
 
-static void mask(void *on, int64_t n, const uint16_t *body,
-                 const uint8_t *awake, uint8_t *to)
+static void set_mask(void *on, int64_t n, const uint16_t *body,
+                     const uint8_t *awake, uint8_t *to)
 {
-    gpu_rouse_mask(gpu_of(on), n, body, awake, to);
+    gpu_wake_mask(gpu_of(on), n, body, awake, to);
 }
 
-static void ways(void *on, int64_t n, const uint16_t *body, const vec *x0,
-                 const vec *x1, int bodies, real *most)
+static void find_displacements(void *on, int64_t n, const uint16_t *body,
+                               const vec *x0, const vec *x1, int bodies,
+                               real *most)
 {
-    gpu_rouse_ways(gpu_of(on), n, body, x0, x1, bodies, most);
+    gpu_wake_displacements(gpu_of(on), n, body, x0, x1, bodies, most);
 }
 
-static void velocities(void *on, int64_t n, const vec *x0, const vec *x1,
-                       real dt, vec *v)
+static void find_velocities(void *on, int64_t n, const vec *x0, const vec *x1,
+                            real dt, vec *v)
 {
-    gpu_led_velocities(gpu_of(on), n, x0, x1, dt, v);
+    gpu_prescribed_velocities(gpu_of(on), n, x0, x1, dt, v);
 }
 
-static real furthest(void *on, int64_t n, const vec *x0, const vec *x1)
+static real find_furthest(void *on, int64_t n, const vec *x0, const vec *x1)
 {
-    return gpu_led_furthest(gpu_of(on), n, x0, x1);
+    return gpu_prescribed_furthest(gpu_of(on), n, x0, x1);
 }
 
 static int ending_streams(void *on, struct audit *s, int64_t nt, int64_t cloths)
 {
-    gpu_led_group(gpu_of(on), nt, cloths, (int32_t *)s->group);
+    gpu_prescribed_group(gpu_of(on), nt, cloths, (int32_t *)s->group);
     return gpu_status(gpu_of(on));
 }
 
-extern const struct backend backend_gpu = {.take = take,
-                                           .grow = grow,
-                                           .give = give,
-                                           .copy = copy,
-                                           .clear = clear,
-                                           .send = send,
-                                           .pushes = 1, /* stored by vertex */
-                                           .begin = begin,
-                                           .wait = wait,
-                                           .status = status,
-                                           .trace = trace,
-                                           .dot = dot,
-                                           .kinematics = kinematics,
-                                           .moments = moments,
-                                           .islands = islands,
-                                           .spin = spin,
-                                           .history = history,
-                                           .travel = travel,
-                                           .narrow = narrow,
-                                           .audit = audit,
-                                           .proximity = proximity,
-                                           .impacts = impacts,
-                                           .impulses = impulses,
-                                           .contacts = contacts,
-                                           .zones = zones,
-                                           .rollback = rollback,
-                                           .coulomb = coulomb,
-                                           .carry = carry,
-                                           .retain = retain,
-                                           .motion = motion,
-                                           .motion_part = motion_part,
-                                           .energy = energy,
-                                           .joint_set_up = gpu_systems_set_up,
-                                           .joint_measure = gpu_systems_measure,
-                                           .joint = gpu_systems_joint,
-                                           .broad_whole_apart = ask,
-                                           .broad_query = query,
-                                           .start = start,
-                                           .advance = advance,
-                                           .touch = touch,
-                                           .cap_targets = cap_targets,
-                                           .slice_room = gpu_systems_room,
-                                           .shift = shift,
-                                           .jump = jump,
-                                           .lessen = lessen,
-                                           .pin = pin,
-                                           .blend = blend,
-                                           .keep = keep,
-                                           .sane = sane,
-                                           .fetch = fetch,
-                                           .laws = laws,
-                                           .moves = gpu_led_moves,
-                                           .differs = differs,
-                                           .rouse = rouse,
-                                           .mask = mask,
-                                           .ways = ways,
-                                           .velocities = velocities,
-                                           .furthest = furthest,
-                                           .ending_streams = ending_streams};
+extern const struct backend backend_gpu = {
+    .take = take_stream,
+    .grow = grow_pool,
+    .give = give_stream,
+    .copy = copy_bytes,
+    .clear = clear_bytes,
+    .send = send,
+    .pushes = 1, /* stored by vertex */
+    .begin = begin_work,
+    .wait = wait_for_work,
+    .status = get_status,
+    .trace = trace_output,
+    .dot = dot,
+    .kinematics = kinematics,
+    .moments = moments,
+    .islands = islands,
+    .spin = spin,
+    .history = history,
+    .travel = travel,
+    .narrow = narrow,
+    .audit = audit,
+    .proximity = proximity,
+    .impacts = impacts,
+    .impulses = impulses,
+    .contacts = contacts,
+    .zones = zones,
+    .rollback = rollback,
+    .coulomb = coulomb,
+    .carry = carry,
+    .retain = retain,
+    .motion = run_motion,
+    .motion_part = motion_part,
+    .energy = find_energy,
+    .joint_set_up = gpu_systems_set_up,
+    .joint_measure = gpu_systems_measure,
+    .joint = gpu_systems_joint,
+    .broad_meshes_apart = ask_meshes_apart,
+    .broad_query = run_query,
+    .start = start_response,
+    .advance = advance_vertices,
+    .touch = touch_vertices,
+    .cap_targets = cap_targets,
+    .slice_room = gpu_systems_room,
+    .shift = shift_state,
+    .jump = find_jump,
+    .lessen = subtract_part,
+    .pin = place_pins,
+    .blend = blend_places,
+    .keep = keep_fixed,
+    .sane = are_sane,
+    .fetch = fetch,
+    .laws = renew_laws,
+    .moves = gpu_prescribed_moves,
+    .differs = find_difference,
+    .wake_find = find_disturbed,
+    .wake_mask = set_mask,
+    .wake_displacements = find_displacements,
+    .velocities = find_velocities,
+    .furthest = find_furthest,
+    .ending_streams = ending_streams};

@@ -13,7 +13,7 @@ extern "C" {
 #include "gpu/world/sheet.h"
 #include "gpu/world/state.h"
 #include "gpu/world/systems.h"
-#include "ref/control/air.h"
+#include "ref/world/air.h"
 }
 
 static void give_state(struct gpu_world *d)
@@ -83,9 +83,9 @@ static int give_response(struct gpu_world *d)
     c->run = w->run;
     c->on = w->on;
     c->w = w->w;
-    c->skin.of = w->body;
-    c->skin.surface = w->surface;
-    c->fan = w->broad.tree.fan;
+    c->surfaces.of = w->body;
+    c->surfaces.surface = w->surface;
+    c->one_rings = w->broad.tree.one_rings;
     c->user = w;
     GPU_TAKE_COPY(d->gpu, c->u, ARENA_RESPONSE, NULL, w->nv);
     GPU_TAKE_COPY(d->gpu, c->touched, ARENA_RESPONSE, NULL, w->nv);
@@ -144,10 +144,11 @@ static int take_bodies(struct world *w)
     return gpu_systems_make(w->device);
 }
 
-int gpu_make_heir(const drape_def *def, const struct heir *heir,
-                  struct arena *arena, struct world **world, drape_error *error)
+int gpu_make_edited(const drape_def *def, const struct edited *edited,
+                    struct arena *arena, struct world **world,
+                    drape_error *error)
 {
-    int status = world_make_heir(def, heir, arena, world, error);
+    int status = world_make_edited(def, edited, arena, world, error);
     struct world *h = *world;
     if (status == DRAPE_OK)
         status = open_device(h, world, error);

@@ -9,14 +9,14 @@
 extern "C" {
 #endif
 
-struct heir;
+struct edited;
 struct world;
 
-/* Does what world_make_heir says, on the device that is current in this
+/* Does what world_make_edited says, on the device that is current in this
  * thread. */
-int gpu_make_heir(const drape_def *def, const struct heir *heir,
-                  struct arena *arena, struct world **world,
-                  drape_error *error);
+int gpu_make_edited(const drape_def *def, const struct edited *edited,
+                    struct arena *arena, struct world **world,
+                    drape_error *error);
 
 #ifdef __cplusplus
 }

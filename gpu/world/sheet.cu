@@ -7,8 +7,8 @@ extern "C" {
 #include "gpu/world/kinematics.h"
 #include "gpu/world/sheet.h"
 #include "gpu/world/state.h"
+#include "ref/base/packed.h"
 #include "ref/base/sum.h"
-#include "ref/base/thin.h"
 #include "ref/solve/matrix.h"
 }
 
@@ -115,8 +115,8 @@ void gpu_sheet_make(struct gpu_world *d, int k)
     GPU_TAKE_COPY(g, m->block, ARENA_SOLVER, NULL, SPRINGS * c->count);
     if (m->newton > 1)
         GPU_TAKE_COPY(g, m->kept, ARENA_SOLVER, NULL, 2 * c->count);
-    if (p->n_thin)
-        GPU_TAKE_COPY(g, m->thin, ARENA_SOLVER, NULL, p->n_thin);
+    if (p->n_packed)
+        GPU_TAKE_COPY(g, m->packed, ARENA_SOLVER, NULL, p->n_packed);
     if (gpu_rates_help(g, p))
         GPU_TAKE_COPY(g, more->rate, ARENA_SOLVER, NULL, SPRINGS * c->count);
     p->mass = c->mass;

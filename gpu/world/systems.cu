@@ -57,10 +57,10 @@ int gpu_systems_streams(struct gpu_world *w)
     take(g, &s->force, nv);
     take(g, &s->inner, nc);
     take(g, &s->outer, nc);
-    take(g, &s->wall, nv);
+    take(g, &s->single, nv);
     a->rest = w->b;
     for (int k = 0; k < 2; k++)
-        take(g, &a->hold[k], nv);
+        take(g, &a->bound[k], nv);
     if (w->world.plan.history) {
         take(g, &a->jump, nc);
         take(g, &a->bare, nv);
@@ -110,7 +110,7 @@ static struct joint_system systems_of(struct world *w, struct joint *s)
         n++;
         p->pcg = a->solver.pcg;
         p->pcg.block = a->dynamics.block;
-        p->pcg.thin = a->dynamics.thin;
+        p->pcg.packed = a->dynamics.packed;
         p->rate = a->device->rate;
         p->first = a->first;
     }

@@ -7,10 +7,11 @@
 
 #include "ref/api/define.h"
 #include "ref/api/record.h"
+#include "ref/base/change.h"
 #include "ref/base/threads.h"
 
 /* Ends a world of this handle and counts the allocations of its device. */
-static void end(drape_world *world, struct world *w)
+static void end_world(drape_world *world, struct world *w)
 {
     drape_memory m = {0};
     if (!w || !world->ops->end)
@@ -21,34 +22,34 @@ static void end(drape_world *world, struct world *w)
     world->ops->end(w);
 }
 
-static int make(drape_world *world, const drape_def *def,
-                const struct heir *heir, struct world **made,
-                drape_error *error)
+static int make_world(drape_world *world, const drape_def *def,
+                      const struct edited *edited, struct world **made,
+                      drape_error *error)
 {
     struct threads threads;
     threads_begin(&threads, def->threads);
-    int status = world->ops->heir.make(def, heir, &world->arena, made, error);
+    int status = world->ops->edit.make(def, edited, &world->arena, made, error);
     if (status == DRAPE_OK)
-        status = world->ops->heir.inherit(*made, heir, error);
+        status = world->ops->edit.inherit(*made, edited, error);
     threads_end(&threads);
     return status;
 }
 
 /* Puts a world of this definition in the place of the handle's. */
-static int replace(drape_world *world, const drape_def *def,
-                   const struct heir *heir, drape_error *error)
+static int replace_world(drape_world *world, const drape_def *def,
+                         const struct edited *edited, drape_error *error)
 {
     struct world *made = NULL;
     struct arena old;
     arena_set_aside(&world->arena, &old);
-    int status = make(world, def, heir, &made, error);
+    int status = make_world(world, def, edited, &made, error);
     if (status != DRAPE_OK) {
-        end(world, made);
+        end_world(world, made);
         arena_free(&world->arena);
         arena_put_back(&world->arena, &old);
         return status;
     }
-    end(world, world->world);
+    end_world(world, world->world);
     arena_move(&old, &world->arena, world);
     arena_free(&old);
     handle_set(world, def, made);
@@ -56,23 +57,23 @@ static int replace(drape_world *world, const drape_def *def,
 }
 
 /* Makes the change. On failure error, which may be NULL, gets a text. */
-static int change(drape_world *world, const struct edit *edit,
-                  drape_error *error)
+static int change_bodies(drape_world *world, const struct scene_edit *edit,
+                         drape_error *error)
 {
     drape_error own;
     drape_def def;
-    struct heir heir;
+    struct edited edited;
     struct arena arena;
     error = error ? error : &own;
     memset(error, 0, sizeof *error);
     world->arena.failed = false;
     arena_init(&arena, &world->arena.allocator);
     int status =
-        world->ops->heir.define(world->world, edit, &arena, &def, &heir);
+        world->ops->edit.define(world->world, edit, &arena, &def, &edited);
     if (status == DRAPE_OK)
         status = define_check(&def, error);
     if (status == DRAPE_OK)
-        status = replace(world, &def, &heir, error);
+        status = replace_world(world, &def, &edited, error);
     world->arena.taken += arena.taken;
     arena_free(&arena);
     if (status != DRAPE_OK && !error->text[0])
@@ -82,7 +83,7 @@ static int change(drape_world *world, const struct edit *edit,
     return status;
 }
 
-static int refuse(drape_error *error, const char *why)
+static int refuse_call(drape_error *error, const char *why)
 {
     if (error)
         snprintf(error->text, sizeof error->text, "%s", why);
@@ -93,9 +94,9 @@ int drape_add_cloth(drape_world *world, const drape_cloth *cloth,
                     drape_error *error)
 {
     if (!world || !cloth)
-        return refuse(error, !world ? "world is NULL" : "cloth is NULL");
-    int status =
-        change(world, &(struct edit){.cloth = cloth, .removed = -1}, error);
+        return refuse_call(error, !world ? "world is NULL" : "cloth is NULL");
+    int status = change_bodies(
+        world, &(struct scene_edit){.cloth = cloth, .removed = -1}, error);
     if (status != DRAPE_OK)
         return status;
     record_cloth(world, cloth);
@@ -106,9 +107,11 @@ int drape_add_obstacle(drape_world *world, const drape_obstacle *obstacle,
                        drape_error *error)
 {
     if (!world || !obstacle)
-        return refuse(error, !world ? "world is NULL" : "obstacle is NULL");
-    int status = change(
-        world, &(struct edit){.obstacle = obstacle, .removed = -1}, error);
+        return refuse_call(error,
+                           !world ? "world is NULL" : "obstacle is NULL");
+    int status = change_bodies(
+        world, &(struct scene_edit){.obstacle = obstacle, .removed = -1},
+        error);
     if (status != DRAPE_OK)
         return status;
     record_obstacle(world, obstacle);
@@ -119,7 +122,8 @@ int drape_remove(drape_world *world, int body)
 {
     if (!world || body < 0 || body >= world->bodies)
         return DRAPE_EARG;
-    int status = change(world, &(struct edit){.removed = body}, NULL);
+    int status =
+        change_bodies(world, &(struct scene_edit){.removed = body}, NULL);
     if (status == DRAPE_OK)
         record_call(world, (struct record){.kind = RECORD_REMOVE, .at = body});
     return status;

@@ -3,6 +3,7 @@
  * two steps. spec/control/control.md */
 #include "ref/api/define.h"
 #include "ref/api/record.h"
+#include "ref/base/change.h"
 #include "ref/base/threads.h"
 
 #include <string.h>
@@ -35,7 +36,7 @@ static bool of_cloths(const drape_world *world, int64_t first, int64_t n)
     return first >= 0 && n >= 0 && first <= nc && n <= nc - first;
 }
 
-static int vectors(int64_t n, struct given x)
+static int check_vectors(int64_t n, struct given x)
 {
     return x.here ? define_check_vectors(n, x.here) : DRAPE_OK;
 }
@@ -78,7 +79,7 @@ static int set_positions(drape_world *world, int64_t first, int64_t n,
         error->text[0] = 0;
     if (!of_cloths(world, first, n) || (n > 0 && !x.here && !x.there))
         return DRAPE_EARG;
-    int status = vectors(n, x);
+    int status = check_vectors(n, x);
     if (status == DRAPE_OK && n > 0)
         WITHIN(world, status = world->ops->control.positions(
                           world->world, first, n, x, error));
@@ -108,7 +109,7 @@ static int set_velocities(drape_world *world, int64_t first, int64_t n,
 {
     if (!of_cloths(world, first, n) || (n > 0 && !v.here && !v.there))
         return DRAPE_EARG;
-    int status = vectors(n, v);
+    int status = check_vectors(n, v);
     if (status == DRAPE_OK && n > 0)
         WITHIN(world, status = world->ops->control.velocities(world->world,
                                                               first, n, v));
@@ -141,7 +142,7 @@ static int set_pins(drape_world *world, int cloth, int64_t n,
     if (n >
         drape_first_vertex(world, cloth + 1) - drape_first_vertex(world, cloth))
         return DRAPE_EARG;
-    int status = vectors(n, x);
+    int status = check_vectors(n, x);
     if (status == DRAPE_OK)
         WITHIN(world, status = world->ops->control.pins(world->world, cloth, n,
                                                         particle, x));
@@ -176,7 +177,7 @@ static int set_obstacle(drape_world *world, int obstacle, struct given x)
     int body = world->cloths + obstacle;
     int64_t n =
         drape_first_vertex(world, body + 1) - drape_first_vertex(world, body);
-    int status = vectors(n, x);
+    int status = check_vectors(n, x);
     if (status == DRAPE_OK)
         WITHIN(world, status = world->ops->control.obstacle(world->world,
                                                             obstacle, x));

@@ -20,7 +20,7 @@ struct check {
     int status;
 };
 
-static int fail(struct check *c, int status, const char *format, ...)
+static int fail_check(struct check *c, int status, const char *format, ...)
 {
     if (c->status != DRAPE_OK)
         return c->status;
@@ -36,7 +36,7 @@ static int fail(struct check *c, int status, const char *format, ...)
     return status;
 }
 
-static void where(struct check *c, const char *what, int k)
+static void write_place(struct check *c, const char *what, int k)
 {
     snprintf(c->where, sizeof c->where, "%s %d: ", what, k);
 }
@@ -50,45 +50,48 @@ static int fault_of(double a)
 }
 
 /* Checks that a is in [lo, hi]; NaN is not. */
-static void number(struct check *c, const char *name, double a, double lo,
-                   double hi)
+static void check_number(struct check *c, const char *name, double a, double lo,
+                         double hi)
 {
     if (!(a >= lo && a <= hi))
-        fail(c, fault_of(a), "%s is %g, expected %g to %g", name, a, lo, hi);
+        fail_check(c, fault_of(a), "%s is %g, expected %g to %g", name, a, lo,
+                   hi);
 }
 
-static void positive(struct check *c, const char *name, double a)
+static void check_positive(struct check *c, const char *name, double a)
 {
     if (!(a > 0 && a <= BIG))
-        fail(c, fault_of(a), "%s is %g, expected above 0", name, a);
+        fail_check(c, fault_of(a), "%s is %g, expected above 0", name, a);
 }
 
-static void integer(struct check *c, const char *name, int64_t a, int64_t lo,
-                    int64_t hi)
+static void check_integer(struct check *c, const char *name, int64_t a,
+                          int64_t lo, int64_t hi)
 {
     if (a < lo || a > hi)
-        fail(c, DRAPE_EARG, "%s is %lld, expected %lld to %lld", name,
-             (long long)a, (long long)lo, (long long)hi);
+        fail_check(c, DRAPE_EARG, "%s is %lld, expected %lld to %lld", name,
+                   (long long)a, (long long)lo, (long long)hi);
 }
 
 /* Checks that the array p of n items exists. False: this or an earlier check
  * failed. */
-static bool there(struct check *c, const char *name, int64_t n, const void *p)
+static bool check_array(struct check *c, const char *name, int64_t n,
+                        const void *p)
 {
     if (n > 0 && !p)
-        fail(c, DRAPE_EARG, "%s is NULL, expected %lld", name, (long long)n);
+        fail_check(c, DRAPE_EARG, "%s is NULL, expected %lld", name,
+                   (long long)n);
     return c->status == DRAPE_OK;
 }
 
-static void vectors(struct check *c, const char *name, int64_t n,
-                    const double (*x)[3])
+static void check_vectors(struct check *c, const char *name, int64_t n,
+                          const double (*x)[3])
 {
-    for (int64_t i = 0; there(c, name, n, x) && i < n; i++)
+    for (int64_t i = 0; check_array(c, name, n, x) && i < n; i++)
         for (int k = 0; k < 3; k++)
             if (!(x[i][k] >= -BIG && x[i][k] <= BIG)) {
-                fail(c, DRAPE_EDATA,
-                     "%s %lld has coordinate %g, expected |x| up to 2^60", name,
-                     (long long)i, x[i][k]);
+                fail_check(c, DRAPE_EDATA,
+                           "%s %lld has coordinate %g, expected |x| up to 2^60",
+                           name, (long long)i, x[i][k]);
                 break;
             }
 }
@@ -102,27 +105,28 @@ static void check_table(struct check *c, int o,
     double strain = table[k][0], force = table[k][1];
     double least = (k ? table[k - 1][0] : 0) + TABLE_STEP;
     if (!(strain >= least && strain <= TABLE_STRAIN))
-        fail(c, fault_of(strain),
-             "material.stretch.%s[%d]: strain %g, expected %g to %d",
-             table_name(o), k, strain, least, TABLE_STRAIN);
+        fail_check(c, fault_of(strain),
+                   "material.stretch.%s[%d]: strain %g, expected %g to %d",
+                   table_name(o), k, strain, least, TABLE_STRAIN);
     else
-        fail(c, fault_of(force),
-             "material.stretch.%s[%d]: %g N/m, expected %s %g", table_name(o),
-             k, force, k ? "at least" : "above", k ? table[k - 1][1] : 0);
+        fail_check(c, fault_of(force),
+                   "material.stretch.%s[%d]: %g N/m, expected %s %g",
+                   table_name(o), k, force, k ? "at least" : "above",
+                   k ? table[k - 1][1] : 0);
 }
 
 static void check_material(struct check *c, const drape_material *m)
 {
-    positive(c, "density", m->density);
-    positive(c, "stretch", m->stretch);
-    number(c, "shear", m->shear, 0, m->stretch / 2);
-    number(c, "bend", m->bend, 0, BIG);
-    number(c, "damping", m->damping, 0, 1e6);
-    positive(c, "thickness", m->thickness);
-    number(c, "friction", m->friction, 0, 1e6);
+    check_positive(c, "density", m->density);
+    check_positive(c, "stretch", m->stretch);
+    check_number(c, "shear", m->shear, 0, m->stretch / 2);
+    check_number(c, "bend", m->bend, 0, BIG);
+    check_number(c, "damping", m->damping, 0, 1e6);
+    check_positive(c, "thickness", m->thickness);
+    check_number(c, "friction", m->friction, 0, 1e6);
     for (int k = 0; k < 3; k++)
         if (m->limit[k] != 0)
-            number(c, "a limit that is not 0", m->limit[k], 0.01, 10);
+            check_number(c, "a limit that is not 0", m->limit[k], 0.01, 10);
     for (int o = 0; o < DRAPE_TABLES; o++)
         check_table(c, o, m->table[o]);
 }
@@ -131,96 +135,98 @@ static void check_material(struct check *c, const drape_material *m)
 static void check_axes(struct check *c, const drape_cloth *cloth)
 {
     double uu = 0, vv = 0, uv = 0;
-    vectors(c, "origin", 1, &cloth->origin);
-    vectors(c, "u", 1, &cloth->u);
-    vectors(c, "v", 1, &cloth->v);
+    check_vectors(c, "origin", 1, &cloth->origin);
+    check_vectors(c, "u", 1, &cloth->u);
+    check_vectors(c, "v", 1, &cloth->v);
     for (int k = 0; k < 3; k++) {
         uu += cloth->u[k] * cloth->u[k];
         vv += cloth->v[k] * cloth->v[k];
         uv += cloth->u[k] * cloth->v[k];
     }
     if (!(fabs(uu - 1) <= 1e-6 && fabs(vv - 1) <= 1e-6 && fabs(uv) <= 1e-6))
-        fail(c, DRAPE_EARG, "u and v must be unit and at right angles");
+        fail_check(c, DRAPE_EARG, "u and v must be unit and at right angles");
 }
 
 static void check_cloth(struct check *c, const drape_cloth *cloth,
                         int n_motions)
 {
     int64_t n = (int64_t)cloth->m * cloth->n;
-    positive(c, "width", cloth->width);
-    positive(c, "height", cloth->height);
+    check_positive(c, "width", cloth->width);
+    check_positive(c, "height", cloth->height);
     check_material(c, &cloth->material);
-    integer(c, "bending", cloth->bending, DRAPE_TRIPLES, DRAPE_SPRINGS);
-    integer(c, "n_pins", cloth->n_pins, 0, n);
-    if (!there(c, "pins", cloth->n_pins, cloth->pins))
+    check_integer(c, "bending", cloth->bending, DRAPE_TRIPLES, DRAPE_SPRINGS);
+    check_integer(c, "n_pins", cloth->n_pins, 0, n);
+    if (!check_array(c, "pins", cloth->n_pins, cloth->pins))
         return;
     if (cloth->x)
-        vectors(c, "particle", n, cloth->x);
+        check_vectors(c, "particle", n, cloth->x);
     else
         check_axes(c, cloth);
     if (cloth->velocity)
-        vectors(c, "velocity", n, cloth->velocity);
+        check_vectors(c, "velocity", n, cloth->velocity);
     for (int k = 0; k < cloth->n_pins && c->status == DRAPE_OK; k++) {
         const drape_pin *p = &cloth->pins[k];
         char name[32];
         snprintf(name, sizeof name, "pin %d i", k);
-        integer(c, name, p->i, 0, cloth->m - 1);
+        check_integer(c, name, p->i, 0, cloth->m - 1);
         snprintf(name, sizeof name, "pin %d j", k);
-        integer(c, name, p->j, 0, cloth->n - 1);
+        check_integer(c, name, p->j, 0, cloth->n - 1);
         snprintf(name, sizeof name, "pin %d motion", k);
-        integer(c, name, p->motion, -1, n_motions - 1);
+        check_integer(c, name, p->motion, -1, n_motions - 1);
     }
 }
 
 static void check_motion(struct check *c, const drape_motion *m)
 {
-    integer(c, "keys", m->keys, 1, 1 << 24);
-    if (!there(c, "time", m->keys, m->time))
+    check_integer(c, "keys", m->keys, 1, 1 << 24);
+    if (!check_array(c, "time", m->keys, m->time))
         return;
-    vectors(c, "position", m->keys, m->position);
-    vectors(c, "pivot", 1, &m->pivot);
+    check_vectors(c, "position", m->keys, m->position);
+    check_vectors(c, "pivot", 1, &m->pivot);
     for (int k = 0; k < m->keys && c->status == DRAPE_OK; k++) {
-        number(c, "time", m->time[k], k ? m->time[k - 1] : -BIG, BIG);
+        check_number(c, "time", m->time[k], k ? m->time[k - 1] : -BIG, BIG);
         if (k && !(m->time[k] > m->time[k - 1]))
-            fail(c, DRAPE_EARG, "time %d does not ascend", k);
+            fail_check(c, DRAPE_EARG, "time %d does not ascend", k);
         double qq = 0;
         for (int i = 0; m->rotation && i < 4; i++) {
-            number(c, "rotation", m->rotation[k][i], -BIG, BIG);
+            check_number(c, "rotation", m->rotation[k][i], -BIG, BIG);
             qq += m->rotation[k][i] * m->rotation[k][i];
         }
         if (m->rotation && !(fabs(qq - 1) <= 1e-6))
-            fail(c, DRAPE_EARG, "rotation %d is not a unit quaternion", k);
+            fail_check(c, DRAPE_EARG, "rotation %d is not a unit quaternion",
+                       k);
     }
 }
 
 static void check_obstacle(struct check *c, const drape_obstacle *o,
                            int n_motions)
 {
-    number(c, "friction", o->friction, 0, 1e6);
-    integer(c, "motion", o->motion, -1, n_motions - 1);
-    integer(c, "frames", o->frames, 0, 1 << 24);
-    if (!there(c, "tri", o->n_triangles, o->tri))
+    check_number(c, "friction", o->friction, 0, 1e6);
+    check_integer(c, "motion", o->motion, -1, n_motions - 1);
+    check_integer(c, "frames", o->frames, 0, 1 << 24);
+    if (!check_array(c, "tri", o->n_triangles, o->tri))
         return;
-    vectors(c, "vertex", o->n_vertices, o->x);
+    check_vectors(c, "vertex", o->n_vertices, o->x);
     for (int64_t k = 0; k < o->n_triangles && c->status == DRAPE_OK; k++)
         for (int i = 0; i < 3; i++)
             if (o->tri[k][i] < 0 || o->tri[k][i] >= o->n_vertices)
-                fail(c, DRAPE_EARG, "triangle %lld names vertex %d of %lld",
-                     (long long)k, (int)o->tri[k][i], (long long)o->n_vertices);
+                fail_check(
+                    c, DRAPE_EARG, "triangle %lld names vertex %d of %lld",
+                    (long long)k, (int)o->tri[k][i], (long long)o->n_vertices);
     if (o->frames) {
         if (o->motion >= 0)
-            fail(c, DRAPE_EARG, "has both a motion and frames");
-        positive(c, "frame_dt", o->frame_dt);
-        vectors(c, "frame vertex", o->frames * o->n_vertices, o->frame);
+            fail_check(c, DRAPE_EARG, "has both a motion and frames");
+        check_positive(c, "frame_dt", o->frame_dt);
+        check_vectors(c, "frame vertex", o->frames * o->n_vertices, o->frame);
     }
 }
 
 static void check_wind(struct check *c, const drape_wind *wind)
 {
-    vectors(c, "wind velocity", 1, &wind->velocity);
-    number(c, "wind density", wind->density, 0, BIG);
-    number(c, "wind drag", wind->drag, 0, 1e6);
-    number(c, "wind lift", wind->lift, 0, 1e6);
+    check_vectors(c, "wind velocity", 1, &wind->velocity);
+    check_number(c, "wind density", wind->density, 0, BIG);
+    check_number(c, "wind drag", wind->drag, 0, 1e6);
+    check_number(c, "wind lift", wind->lift, 0, 1e6);
 }
 
 int define_check_wind(const drape_wind *wind)
@@ -240,7 +246,7 @@ int define_check_material(const drape_material *material)
 int define_check_vectors(int64_t n, const double (*x)[3])
 {
     struct check c = {.error = NULL, .status = DRAPE_OK};
-    vectors(&c, "vector", n, x);
+    check_vectors(&c, "vector", n, x);
     return c.status;
 }
 
@@ -258,43 +264,44 @@ bool define_check_allocator(const drape_allocator *allocator)
 
 static void check_world(struct check *c, const drape_def *def)
 {
-    integer(c, "backend", def->backend, DRAPE_REF, DRAPE_GPU);
+    check_integer(c, "backend", def->backend, DRAPE_REF, DRAPE_GPU);
     if (def->precision != 32 && def->precision != 64)
-        fail(c, DRAPE_EARG, "precision is %d, expected 32 or 64",
-             def->precision);
-    integer(c, "threads", def->threads, 0, 4096);
-    integer(c, "block", def->block, 0, 256);
+        fail_check(c, DRAPE_EARG, "precision is %d, expected 32 or 64",
+                   def->precision);
+    check_integer(c, "threads", def->threads, 0, 4096);
+    check_integer(c, "block", def->block, 0, 256);
     if (def->block % 32)
-        fail(c, DRAPE_EARG, "block is %d, expected a multiple of 32",
-             def->block);
+        fail_check(c, DRAPE_EARG, "block is %d, expected a multiple of 32",
+                   def->block);
     if (!define_check_allocator(&def->allocator) ||
         !define_check_allocator(&def->device_allocator))
-        fail(c, DRAPE_EARG, "an allocator needs both its functions, or none");
-    number(c, "dt", def->dt, 1e-9, 1e3);
-    vectors(c, "gravity", 1, &def->gravity);
+        fail_check(c, DRAPE_EARG,
+                   "an allocator needs both its functions, or none");
+    check_number(c, "dt", def->dt, 1e-9, 1e3);
+    check_vectors(c, "gravity", 1, &def->gravity);
     check_wind(c, &def->wind);
-    integer(c, "integrator", def->integrator, DRAPE_EULER, DRAPE_BDF2);
-    integer(c, "max_substeps", def->max_substeps, 1, INT32_MAX);
-    integer(c, "precond", def->precond, DRAPE_JACOBI, DRAPE_MULTIGRID);
-    integer(c, "matrix", def->matrix, DRAPE_CDF, DRAPE_COMPACT);
-    integer(c, "solver", def->solver, DRAPE_EXACT, DRAPE_CUBLAS);
-    integer(c, "response", def->response, DRAPE_SOLVE, DRAPE_IMPULSES);
+    check_integer(c, "integrator", def->integrator, DRAPE_EULER, DRAPE_BDF2);
+    check_integer(c, "max_substeps", def->max_substeps, 1, INT32_MAX);
+    check_integer(c, "precond", def->precond, DRAPE_JACOBI, DRAPE_MULTIGRID);
+    check_integer(c, "matrix", def->matrix, DRAPE_CDF, DRAPE_COMPACT);
+    check_integer(c, "solver", def->solver, DRAPE_EXACT, DRAPE_CUBLAS);
+    check_integer(c, "response", def->response, DRAPE_SOLVE, DRAPE_IMPULSES);
     if (def->solver == DRAPE_CUBLAS && def->backend != DRAPE_GPU)
-        fail(c, DRAPE_EARG, "solver cublas needs backend gpu");
-    number(c, "tolerance", def->tolerance, 1e-15, 1);
-    integer(c, "max_iterations", def->max_iterations, 1, INT32_MAX);
-    integer(c, "newton", def->newton, 0, 64);
-    integer(c, "max_rounds", def->max_rounds, 0, 10000);
-    integer(c, "max_slices", def->max_slices, 1, 64);
+        fail_check(c, DRAPE_EARG, "solver cublas needs backend gpu");
+    check_number(c, "tolerance", def->tolerance, 1e-15, 1);
+    check_integer(c, "max_iterations", def->max_iterations, 1, INT32_MAX);
+    check_integer(c, "newton", def->newton, 0, 64);
+    check_integer(c, "max_rounds", def->max_rounds, 0, 10000);
+    check_integer(c, "max_slices", def->max_slices, 1, 64);
     if (def->max_slices > 0 && def->max_slices & (def->max_slices - 1))
-        fail(c, DRAPE_EARG, "max_slices is %d, expected a power of two",
-             def->max_slices);
-    integer(c, "n_cloths", def->n_cloths, 1, 4096);
-    integer(c, "n_obstacles", def->n_obstacles, 0, 4096);
-    integer(c, "n_motions", def->n_motions, 0, 1 << 20);
-    there(c, "cloths", def->n_cloths, def->cloths);
-    there(c, "obstacles", def->n_obstacles, def->obstacles);
-    there(c, "motions", def->n_motions, def->motions);
+        fail_check(c, DRAPE_EARG, "max_slices is %d, expected a power of two",
+                   def->max_slices);
+    check_integer(c, "n_cloths", def->n_cloths, 1, 4096);
+    check_integer(c, "n_obstacles", def->n_obstacles, 0, 4096);
+    check_integer(c, "n_motions", def->n_motions, 0, 1 << 20);
+    check_array(c, "cloths", def->n_cloths, def->cloths);
+    check_array(c, "obstacles", def->n_obstacles, def->obstacles);
+    check_array(c, "motions", def->n_motions, def->motions);
 }
 
 /* Checks all sizes, before any array is read, so that none of their products
@@ -305,9 +312,9 @@ static void check_sizes(struct check *c, const drape_def *def)
     int64_t vertices = 0, triangles = 0;
     for (int k = 0; k < def->n_cloths && c->status == DRAPE_OK; k++) {
         const drape_cloth *cloth = &def->cloths[k];
-        where(c, "cloth", k);
-        integer(c, "m", cloth->m, 2, 32768);
-        integer(c, "n", cloth->n, 2, 32768);
+        write_place(c, "cloth", k);
+        check_integer(c, "m", cloth->m, 2, 32768);
+        check_integer(c, "n", cloth->n, 2, 32768);
         if (c->status != DRAPE_OK)
             return;
         vertices += (int64_t)cloth->m * cloth->n;
@@ -315,17 +322,17 @@ static void check_sizes(struct check *c, const drape_def *def)
     }
     for (int k = 0; k < def->n_obstacles && c->status == DRAPE_OK; k++) {
         const drape_obstacle *o = &def->obstacles[k];
-        where(c, "obstacle", k);
-        integer(c, "n_vertices", o->n_vertices, 1, most);
-        integer(c, "n_triangles", o->n_triangles, 1, most);
+        write_place(c, "obstacle", k);
+        check_integer(c, "n_vertices", o->n_vertices, 1, most);
+        check_integer(c, "n_triangles", o->n_triangles, 1, most);
         if (c->status != DRAPE_OK)
             return;
         vertices += o->n_vertices;
         triangles += o->n_triangles;
     }
     c->where[0] = 0;
-    integer(c, "the scene's number of vertices", vertices, 0, most);
-    integer(c, "the scene's number of triangles", triangles, 0, most);
+    check_integer(c, "the scene's number of vertices", vertices, 0, most);
+    check_integer(c, "the scene's number of triangles", triangles, 0, most);
 }
 
 int define_check(const drape_def *def, drape_error *error)
@@ -335,15 +342,15 @@ int define_check(const drape_def *def, drape_error *error)
     if (c.status == DRAPE_OK)
         check_sizes(&c, def);
     for (int k = 0; k < def->n_motions && c.status == DRAPE_OK; k++) {
-        where(&c, "motion", k);
+        write_place(&c, "motion", k);
         check_motion(&c, &def->motions[k]);
     }
     for (int k = 0; k < def->n_cloths && c.status == DRAPE_OK; k++) {
-        where(&c, "cloth", k);
+        write_place(&c, "cloth", k);
         check_cloth(&c, &def->cloths[k], def->n_motions);
     }
     for (int k = 0; k < def->n_obstacles && c.status == DRAPE_OK; k++) {
-        where(&c, "obstacle", k);
+        write_place(&c, "obstacle", k);
         check_obstacle(&c, &def->obstacles[k], def->n_motions);
     }
     return c.status;

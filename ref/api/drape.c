@@ -11,6 +11,7 @@
 #include "ref/api/define.h"
 #include "ref/api/handle.h"
 #include "ref/api/record.h"
+#include "ref/base/info.h"
 #include "ref/base/threads.h"
 #include "ref/narrow/audit.h"
 #include "ref/narrow/narrow.h"
@@ -19,7 +20,7 @@
 
 enum { LINE = 640 };
 
-static void tell(const drape_world *world, const char *format, ...)
+static void write_log(const drape_world *world, const char *format, ...)
 {
     char line[LINE];
     va_list args;
@@ -29,7 +30,7 @@ static void tell(const drape_world *world, const char *format, ...)
     world->log(world->log_user, line);
 }
 
-static int64_t allocations(const drape_world *world, drape_memory *m)
+static int64_t count_allocations(const drape_world *world, drape_memory *m)
 {
     drape_count(world, m);
     return m->host_allocations + m->device_allocations;
@@ -45,14 +46,15 @@ static void tell_made(drape_world *world)
     drape_memory m;
     if (!world->log)
         return;
-    world->taken = allocations(world, &m);
-    tell(world,
-         "made: backend %s, %d bits, %lld vertices, %lld triangles, %zu bytes "
-         "here, %zu on the device%s%s",
-         world->ops->device ? "gpu" : "ref", world->precision,
-         (long long)drape_vertices(world), (long long)drape_triangles(world),
-         m.host_bytes, m.device_bytes, world->ops->device ? ": " : "",
-         device_of(world));
+    world->taken = count_allocations(world, &m);
+    write_log(
+        world,
+        "made: backend %s, %d bits, %lld vertices, %lld triangles, %zu bytes "
+        "here, %zu on the device%s%s",
+        world->ops->device ? "gpu" : "ref", world->precision,
+        (long long)drape_vertices(world), (long long)drape_triangles(world),
+        m.host_bytes, m.device_bytes, world->ops->device ? ": " : "",
+        device_of(world));
 }
 
 void handle_tell_edit(drape_world *handle, int status, const char *why)
@@ -68,15 +70,16 @@ void handle_tell_step(drape_world *world, int status)
     drape_memory m;
     if (!world->log)
         return;
-    int64_t taken = allocations(world, &m);
+    int64_t taken = count_allocations(world, &m);
     if (taken != world->taken)
-        tell(world, "step %lld: memory grew: %zu bytes here, %zu on the device",
-             (long long)world->steps, m.host_bytes, m.device_bytes);
+        write_log(world,
+                  "step %lld: memory grew: %zu bytes here, %zu on the device",
+                  (long long)world->steps, m.host_bytes, m.device_bytes);
     world->taken = taken;
     if (status != DRAPE_OK)
-        tell(world, "step %lld: %s%s%s", (long long)world->steps,
-             drape_status_text(status), world->ops->device ? ": " : "",
-             device_of(world));
+        write_log(world, "step %lld: %s%s%s", (long long)world->steps,
+                  drape_status_text(status), world->ops->device ? ": " : "",
+                  device_of(world));
 }
 
 /* The functions of the API */
@@ -99,7 +102,8 @@ void handle_set(drape_world *handle, const drape_def *def, struct world *world)
     handle->threads = one ? 1 : def->threads;
 }
 
-static int make(const drape_def *def, drape_world **world, drape_error *error)
+static int make_world(const drape_def *def, drape_world **world,
+                      drape_error *error)
 {
     struct arena arena;
     arena_init(&arena, &def->allocator);
@@ -123,7 +127,7 @@ static int make(const drape_def *def, drape_world **world, drape_error *error)
     return status;
 }
 
-static int refuse(drape_error *error, const char *why)
+static int refuse_call(drape_error *error, const char *why)
 {
     snprintf(error->text, sizeof error->text, "%s", why);
     return DRAPE_EARG;
@@ -137,10 +141,10 @@ int drape_create(const drape_def *def, drape_world **world, drape_error *error)
     if (world)
         *world = NULL;
     if (!def || !world)
-        return refuse(error, !def ? "def is NULL" : "world is NULL");
+        return refuse_call(error, !def ? "def is NULL" : "world is NULL");
     int status = define_check(def, error);
     if (status == DRAPE_OK)
-        status = make(def, world, error);
+        status = make_world(def, world, error);
     if (status == DRAPE_OK) {
         tell_made(*world);
         return DRAPE_OK;
@@ -227,7 +231,8 @@ int drape_borrow(drape_world *world, drape_view *view)
     return world->ops->borrow(world->world, view);
 }
 
-static int contacts(drape_world *world, bool there, drape_contact_list *list)
+static int list_contacts(drape_world *world, bool there,
+                         drape_contact_list *list)
 {
     if (!world || !list)
         return DRAPE_EARG;
@@ -238,12 +243,12 @@ static int contacts(drape_world *world, bool there, drape_contact_list *list)
 
 int drape_contacts(drape_world *world, drape_contact_list *list)
 {
-    return contacts(world, false, list);
+    return list_contacts(world, false, list);
 }
 
 int drape_contacts_device(drape_world *world, drape_contact_list *list)
 {
-    return contacts(world, true, list);
+    return list_contacts(world, true, list);
 }
 
 int drape_read_triangles(const drape_world *world, int32_t (*tri)[3])

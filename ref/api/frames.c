@@ -31,7 +31,7 @@ static int check_positions(const double (*x)[3], int64_t nv)
     return DRAPE_OK;
 }
 
-static int check(const drape_mesh *mesh, const double (*x1)[3])
+static int check_mesh(const drape_mesh *mesh, const double (*x1)[3])
 {
     if (query_check(mesh, FRAMES_MOST) != DRAPE_OK || mesh->group ||
         (mesh->nv > 0 && !x1))
@@ -63,8 +63,8 @@ static int find_candidates(struct frames *f)
 }
 
 /* Tests n candidates, from `first` on, and reports the touching pairs. */
-static int decide(struct frames *f, int64_t first, int64_t n,
-                  drape_touch *touch, void *user)
+static int decide_candidates(struct frames *f, int64_t first, int64_t n,
+                             drape_touch *touch, void *user)
 {
     const int32_t(*pair)[4] = broad_pairs(&f->broad) + first;
     const uint8_t *kind = broad_kinds(&f->broad) + first;
@@ -84,7 +84,7 @@ static int decide(struct frames *f, int64_t first, int64_t n,
     return status;
 }
 
-static int query(struct frames *f, drape_touch *touch, void *user)
+static int query_pairs(struct frames *f, drape_touch *touch, void *user)
 {
     int status = find_candidates(f);
     if (status != DRAPE_OK)
@@ -96,7 +96,7 @@ static int query(struct frames *f, drape_touch *touch, void *user)
     int64_t all = f->broad.n;
     for (int64_t k = 0; k < all && status == DRAPE_OK; k += FRAMES_RUN) {
         int64_t n = all - k < FRAMES_RUN ? all - k : FRAMES_RUN;
-        status = decide(f, k, n, touch, user);
+        status = decide_candidates(f, k, n, touch, user);
     }
     return status;
 }
@@ -105,12 +105,12 @@ int drape_ccd_frames(const drape_mesh *mesh, const double (*x1)[3],
                      drape_touch *touch, void *user, int64_t candidates[2])
 {
     struct frames f = {.mesh = mesh, .x1 = (const vec *)(const void *)x1};
-    int status = touch ? check(mesh, x1) : DRAPE_EARG;
+    int status = touch ? check_mesh(mesh, x1) : DRAPE_EARG;
     if (status == DRAPE_OK && mesh->nt > 0) {
         arena_init(&f.arena, &mesh->allocator);
         struct threads threads;
         threads_begin(&threads, mesh->threads);
-        status = query(&f, touch, user);
+        status = query_pairs(&f, touch, user);
         threads_end(&threads);
         arena_free(&f.arena);
     }

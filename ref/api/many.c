@@ -29,7 +29,7 @@ struct call {
 };
 
 /* Makes the steps of world k, up to one that fails or diverges. */
-static void advance(const struct call *c, int k)
+static void advance_world(const struct call *c, int k)
 {
     drape_step_report *to =
         c->report ? c->report + (size_t)k * (size_t)c->steps : NULL;
@@ -46,11 +46,11 @@ static void advance(const struct call *c, int k)
 static void advance_in_part(void *with, int k)
 {
     const struct part *p = with;
-    advance(p->call, p->of[k]);
+    advance_world(p->call, p->of[k]);
 }
 
 /* A thread takes the next world that nobody has taken until none is left. */
-static void *take_turns(void *with)
+static void *advance_next_worlds(void *with)
 {
     struct part *p = with;
     for (;;) {
@@ -59,13 +59,13 @@ static void *take_turns(void *with)
         pthread_mutex_unlock(&p->lock);
         if (k >= p->n)
             return NULL;
-        advance(p->call, p->of[k]);
+        advance_world(p->call, p->of[k]);
     }
 }
 
 /* Advances the worlds of a part by threads, of which this one is one. The
  * others block all signals: they are for the threads of the host program. */
-static void by_threads(struct part *p)
+static void advance_by_threads(struct part *p)
 {
     pthread_t thread[MOST_THREADS];
     sigset_t all, before;
@@ -74,10 +74,10 @@ static void by_threads(struct part *p)
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
     while (made < p->call->threads - 1 && made < p->n - 1 &&
-           !pthread_create(&thread[made], NULL, take_turns, p))
+           !pthread_create(&thread[made], NULL, advance_next_worlds, p))
         made++;
     pthread_sigmask(SIG_SETMASK, &before, NULL);
-    take_turns(p);
+    advance_next_worlds(p);
     for (int k = 0; k < made; k++)
         pthread_join(thread[k], NULL);
     pthread_mutex_destroy(&p->lock);
@@ -86,7 +86,7 @@ static void by_threads(struct part *p)
 /* Advances the worlds of a part together; false if there is no memory. The logs
  * are written afterwards: they are the caller's, who need not expect another
  * stack. */
-static bool together(struct part *p)
+static bool advance_together(struct part *p)
 {
     const struct call *c = p->call;
     const struct world_ops *ops = c->world[p->of[0]]->ops;
@@ -136,12 +136,12 @@ static void advance_like(struct part *p, int first, bool *done)
         p->of[p->n++] = k;
         done[k] = true;
     }
-    if (place < 0 || p->n < 2 || !together(p))
-        by_threads(p);
+    if (place < 0 || p->n < 2 || !advance_together(p))
+        advance_by_threads(p);
 }
 
 /* Whether a world is listed twice; marks are left as they were. */
-static bool twice(drape_world *const *world, int n)
+static bool is_listed_twice(drape_world *const *world, int n)
 {
     bool found = false;
     int k = 0;
@@ -155,14 +155,15 @@ static bool twice(drape_world *const *world, int n)
 }
 
 /* Whether the arguments are allowed. */
-static bool allowed(drape_world *const *world, int n, int steps, int threads)
+static bool are_arguments_valid(drape_world *const *world, int n, int steps,
+                                int threads)
 {
     if (n < 0 || steps < 0 || threads < 0 || (n && !world))
         return false;
     for (int k = 0; k < n; k++)
         if (!world[k])
             return false;
-    return !twice(world, n);
+    return !is_listed_twice(world, n);
 }
 
 static int threads_of(int asked)
@@ -175,7 +176,7 @@ static int threads_of(int asked)
 int drape_step_many(drape_world *const *world, int n, int steps, int threads,
                     drape_step_report *report, int *status)
 {
-    if (!allowed(world, n, steps, threads))
+    if (!are_arguments_valid(world, n, steps, threads))
         return DRAPE_EARG;
     if (!n)
         return DRAPE_OK;

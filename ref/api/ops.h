@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A world of one precision as the API (ref/api/drape.c) sees it: a table of
- * functions. ref/world/world.c makes a world, ref/world/step.c advances it. */
+ * functions, which ref/api/table.c fills for the reference. */
 #ifndef REF_OPS_H
 #define REF_OPS_H
 
@@ -8,37 +8,18 @@
 #include "ref/base/names.h"
 #include "spec/drape.h"
 
+struct edited;
+struct given;
+struct scene_edit;
 struct world;
 
-/* Vectors that the caller gives: `here` in binary64 on the host, or else
- * `there` in the precision and the memory of the world. Both NULL: none. */
-struct given {
-    const double (*here)[3];
-    const void *there;
-};
-
-/* A change of the bodies of a world: one of the first two, which is added, or
- * else the body to remove. */
-struct edit {
-    const drape_cloth *cloth;
-    const drape_obstacle *obstacle;
-    int removed;
-};
-
-/* A world that takes the place of another one, whose bodies were changed. */
-struct heir {
-    const struct world *old;
-    int32_t *from; /* [bodies] the body of the old world, -1: it is new */
-    int added;     /* the new body, -1: none */
-};
-
-/* Bodies that are added and removed: ref/control/heir.h. */
-struct heir_ops {
-    int (*define)(const struct world *old, const struct edit *edit,
-                  struct arena *arena, drape_def *def, struct heir *heir);
-    int (*make)(const drape_def *def, const struct heir *heir,
+/* Bodies that are added and removed: ref/control/edit.h. */
+struct edit_ops {
+    int (*define)(const struct world *old, const struct scene_edit *edit,
+                  struct arena *arena, drape_def *def, struct edited *edited);
+    int (*make)(const drape_def *def, const struct edited *edited,
                 struct arena *arena, struct world **world, drape_error *error);
-    int (*inherit)(struct world *w, const struct heir *heir,
+    int (*inherit)(struct world *w, const struct edited *edited,
                    drape_error *error);
 };
 
@@ -73,7 +54,7 @@ struct world_ops {
     void (*wake)(struct world *w);
     int (*set_wind)(struct world *w, const drape_wind *wind);
     struct control_ops control;
-    struct heir_ops heir;
+    struct edit_ops edit;
     int (*contacts)(struct world *w, bool there, drape_contact_list *list);
     int (*plan)(const struct world *w, drape_plan_row *row, int capacity);
     int (*save)(const struct world *w, drape_write *write, void *user);
@@ -97,12 +78,5 @@ struct world_ops {
 extern const struct world_ops world_ops_32, world_ops_64;
 /* Worlds on a device. In a build without CUDA their `make` fails. */
 extern const struct world_ops world_ops_gpu_32, world_ops_gpu_64;
-/* Returns drape_info's text, static. It lives in gpu/, which knows whether the
- * build has a device. */
-const char *gpu_info(void);
-#define WORLD_INFO(gpu)                                                        \
-    "drape " DRAPE_VERSION                                                     \
-    "\nbackend ref: binary32, binary64\nbackend gpu: " gpu                     \
-    "\ncertificate: " CERTIFICATE "\n"
 
 #endif

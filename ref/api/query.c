@@ -23,7 +23,7 @@ static int take_scratch(struct audit *s, struct arena *a)
 }
 
 /* Runs the audit, and again with enough room if its pairs did not fit. */
-static int run(struct audit *s, struct arena *a)
+static int run_audit(struct audit *s, struct arena *a)
 {
     int status = ref_audit(s);
     if (status != DRAPE_EFULL)
@@ -61,7 +61,7 @@ int drape_audit(const drape_mesh *mesh, int64_t capacity, int32_t (*pair)[2],
     threads_begin(&threads, mesh->threads);
     status = take_scratch(&s, &arena);
     if (status == DRAPE_OK)
-        status = run(&s, &arena);
+        status = run_audit(&s, &arena);
     threads_end(&threads);
     if (status == DRAPE_OK) {
         *found = s.found;

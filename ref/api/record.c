@@ -15,8 +15,8 @@ uint64_t record_check(struct record_head h, const void *data)
 
 /* Copies the pieces of a call to `to`. Vectors are recorded in binary64, which
  * holds each number of either precision. */
-static int gather(const drape_world *world, const struct record *call,
-                  uint8_t *to)
+static int gather_pieces(const drape_world *world, const struct record *call,
+                         uint8_t *to)
 {
     size_t n = 3 * (size_t)call->vectors;
     double *x = (double *)(void *)(to + (call->bytes + 7) / 8 * 8);
@@ -55,7 +55,7 @@ void record_call(drape_world *world, struct record call)
     h.bytes = (call.bytes + 7) / 8 * 8;
     h.bytes += given ? 24 * (uint64_t)call.vectors : 0;
     uint8_t *data = arena_take(&world->arena, ARENA_OTHER, (int64_t)h.bytes, 1);
-    bool good = data && gather(world, &call, data) == DRAPE_OK;
+    bool good = data && gather_pieces(world, &call, data) == DRAPE_OK;
     h.check = good ? record_check(h, data) : 0;
     good = good && !world->record(world->record_user, &h, sizeof h);
     good =

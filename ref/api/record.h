@@ -5,6 +5,7 @@
 #define REF_RECORD_H
 
 #include "ref/api/handle.h"
+#include "ref/base/change.h"
 
 enum record_kind {
     RECORD_STATE, /* a checkpoint follows */

@@ -14,7 +14,7 @@ struct piece {
     size_t bytes;
 };
 
-static size_t whole(size_t bytes)
+static size_t round_up(size_t bytes)
 {
     return (bytes + WORD - 1) / WORD * WORD;
 }
@@ -47,14 +47,15 @@ static void mesh_pieces(const drape_obstacle *o, struct piece p[MESH_PIECES])
 
 /* Writes a record of a definition with its pointers and its pieces. The words
  * behind the definition say which pieces there are. */
-static void put(drape_world *world, enum record_kind kind, const void *head,
-                size_t size, const struct piece *piece, int pieces)
+static void write_record(drape_world *world, enum record_kind kind,
+                         const void *head, size_t size,
+                         const struct piece *piece, int pieces)
 {
-    size_t bytes = whole(size) + WORD * (size_t)pieces, at = whole(size);
+    size_t bytes = round_up(size) + WORD * (size_t)pieces, at = round_up(size);
     if (!world->record)
         return;
     for (int k = 0; k < pieces; k++)
-        bytes += piece[k].at ? whole(piece[k].bytes) : 0;
+        bytes += piece[k].at ? round_up(piece[k].bytes) : 0;
     uint8_t *data = arena_take(&world->arena, ARENA_OTHER, (int64_t)bytes, 1);
     if (!data) {
         record_lose(world);
@@ -68,7 +69,7 @@ static void put(drape_world *world, enum record_kind kind, const void *head,
     for (int k = 0; k < pieces; k++)
         if (piece[k].at && piece[k].bytes > 0) {
             memcpy(data + at, piece[k].at, piece[k].bytes);
-            at += whole(piece[k].bytes);
+            at += round_up(piece[k].bytes);
         }
     int64_t n = (int64_t)bytes;
     record_call(world, (struct record){.kind = kind,
@@ -87,7 +88,7 @@ void record_cloth(drape_world *world, const drape_cloth *cloth)
     c.x = c.velocity = NULL;
     c.hole = c.cut = NULL;
     c.pins = NULL;
-    put(world, RECORD_CLOTH, &c, sizeof c, p, CLOTH_PIECES);
+    write_record(world, RECORD_CLOTH, &c, sizeof c, p, CLOTH_PIECES);
 }
 
 void record_obstacle(drape_world *world, const drape_obstacle *obstacle)
@@ -97,23 +98,23 @@ void record_obstacle(drape_world *world, const drape_obstacle *obstacle)
     mesh_pieces(obstacle, p);
     o.x = o.frame = NULL;
     o.tri = NULL;
-    put(world, RECORD_MESH, &o, sizeof o, p, MESH_PIECES);
+    write_record(world, RECORD_MESH, &o, sizeof o, p, MESH_PIECES);
 }
 
 /* Finds the pieces in a record, whose sizes are given. False: the record has
  * another size than they need, or a word that says neither yes nor no. */
-static bool find(const uint8_t *data, int64_t bytes, size_t size,
-                 struct piece *piece, int pieces)
+static bool find_pieces(const uint8_t *data, int64_t bytes, size_t size,
+                        struct piece *piece, int pieces)
 {
-    size_t at = whole(size) + WORD * (size_t)pieces;
-    const uint8_t *flag = data + whole(size);
+    size_t at = round_up(size) + WORD * (size_t)pieces;
+    const uint8_t *flag = data + round_up(size);
     for (int k = 0; k < pieces; k++, flag += WORD) {
         uint64_t there;
         memcpy(&there, flag, sizeof there);
         if (there > 1)
             return false;
         piece[k].at = there ? data + at : NULL;
-        at += there ? whole(piece[k].bytes) : 0;
+        at += there ? round_up(piece[k].bytes) : 0;
         if (at > (size_t)bytes)
             return false;
     }
@@ -124,13 +125,13 @@ int record_cloth_of(const uint8_t *data, int64_t bytes, drape_cloth *cloth)
 {
     struct piece p[CLOTH_PIECES];
     drape_cloth c;
-    if ((size_t)bytes < whole(sizeof c) + WORD * CLOTH_PIECES)
+    if ((size_t)bytes < round_up(sizeof c) + WORD * CLOTH_PIECES)
         return DRAPE_EMATCH;
     memcpy(&c, data, sizeof c);
     if (c.m < 2 || c.n < 2 || c.m > 32768 || c.n > 32768 || c.n_pins < 0)
         return DRAPE_EMATCH;
     cloth_pieces(&c, p);
-    if (!find(data, bytes, sizeof c, p, CLOTH_PIECES))
+    if (!find_pieces(data, bytes, sizeof c, p, CLOTH_PIECES))
         return DRAPE_EMATCH;
     c.x = (const double(*)[3])p[0].at;
     c.velocity = (const double(*)[3])p[1].at;
@@ -146,14 +147,14 @@ int record_obstacle_of(const uint8_t *data, int64_t bytes,
 {
     struct piece p[MESH_PIECES];
     drape_obstacle o;
-    if ((size_t)bytes < whole(sizeof o) + WORD * MESH_PIECES)
+    if ((size_t)bytes < round_up(sizeof o) + WORD * MESH_PIECES)
         return DRAPE_EMATCH;
     memcpy(&o, data, sizeof o);
     if (o.n_vertices < 1 || o.n_vertices > INT32_MAX || o.n_triangles < 1 ||
         o.n_triangles > INT32_MAX || o.frames < 0 || o.frames > 1 << 24)
         return DRAPE_EMATCH;
     mesh_pieces(&o, p);
-    if (!find(data, bytes, sizeof o, p, MESH_PIECES))
+    if (!find_pieces(data, bytes, sizeof o, p, MESH_PIECES))
         return DRAPE_EMATCH;
     o.x = (const double(*)[3])p[0].at;
     o.tri = (const int32_t(*)[3])p[1].at;

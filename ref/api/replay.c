@@ -88,8 +88,8 @@ static int pins_again(drape_world *world, const struct record_head *h,
 }
 
 /* Makes a recorded call again. */
-static int again(drape_world *world, const struct record_head *h,
-                 const void *data)
+static int repeat_call(drape_world *world, const struct record_head *h,
+                       const void *data)
 {
     const double(*x)[3] = (const double(*)[3])data;
     int k = (int)h->at;
@@ -130,8 +130,8 @@ static int step_again(drape_world *world, const struct record_head *h,
 }
 
 /* Reads what follows a head, checks it, and makes the call. */
-static int play(drape_world *world, drape_read_bytes *read, void *user,
-                const struct record_head *h)
+static int play_record(drape_world *world, drape_read_bytes *read, void *user,
+                       const struct record_head *h)
 {
     int64_t bytes = memcmp(h->magic, RECORD_MAGIC, sizeof h->magic) == 0
                         ? bytes_of(world, h)
@@ -152,7 +152,7 @@ static int play(drape_world *world, drape_read_bytes *read, void *user,
         status = body_again(world, h->kind, data, bytes);
         status = status < 0 ? status : DRAPE_OK;
     } else if (status == DRAPE_OK && h->kind != RECORD_STEP)
-        status = again(world, h, data);
+        status = repeat_call(world, h, data);
     world->arena.taken += arena.taken;
     arena_free(&arena);
     return status;
@@ -168,7 +168,7 @@ int drape_replay(drape_world *world, drape_read_bytes *read, void *user,
     while (status == DRAPE_OK) {
         if (read(user, &h, sizeof h))
             return 0;
-        status = play(world, read, user, &h);
+        status = play_record(world, read, user, &h);
         if (status == DRAPE_OK && h.kind == RECORD_STEP)
             return step_again(world, &h, report);
     }

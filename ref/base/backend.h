@@ -31,7 +31,7 @@ struct proximity;
 struct response;
 struct retain;
 struct rollback;
-struct rouse;
+struct wake;
 struct sheet;
 struct shift;
 struct spin;
@@ -105,8 +105,8 @@ struct backend {
                          real *value);
     int (*joint)(struct world *w, struct joint *s);
     /* Do what the functions of these names in ref/broad/broad.h do. */
-    int (*broad_whole_apart)(void *on, struct broad *b, const vec *x0,
-                             const vec *x1, real r, bool *apart);
+    int (*broad_meshes_apart)(void *on, struct broad *b, const vec *x0,
+                              const vec *x1, real r, bool *apart);
     int (*broad_query)(void *on, struct broad *b, const vec *x0, const vec *x1,
                        real r, const uint8_t *moved);
 
@@ -127,7 +127,7 @@ struct backend {
 
     void (*pin)(void *on, int64_t n, const int32_t *pinned, const vec *x,
                 vec *to);
-    /* The loops of ref/world/led.h. */
+    /* The loops of ref/base/prescribed.h. */
     void (*blend)(void *on, const struct blend *s);
     void (*keep)(void *on, int64_t n, const uint8_t *fixed, const vec *old,
                  vec *a);
@@ -142,12 +142,13 @@ struct backend {
      * the n of x1. */
     bool (*differs)(void *on, int64_t n, const int32_t *at, const vec *x0,
                     const vec *x1);
-    /* The loops of ref/sleep/rouse.h. */
-    void (*rouse)(void *on, struct rouse *s);
-    void (*mask)(void *on, int64_t n, const uint16_t *body,
-                 const uint8_t *awake, uint8_t *mask);
-    void (*ways)(void *on, int64_t n, const uint16_t *body, const vec *x0,
-                 const vec *x1, int bodies, real *most);
+    /* The loops of ref/sleep/wake.h. */
+    void (*wake_find)(void *on, struct wake *s);
+    void (*wake_mask)(void *on, int64_t n, const uint16_t *body,
+                      const uint8_t *awake, uint8_t *mask);
+    void (*wake_displacements)(void *on, int64_t n, const uint16_t *body,
+                               const vec *x0, const vec *x1, int bodies,
+                               real *most);
     void (*velocities)(void *on, int64_t n, const vec *x0, const vec *x1,
                        real dt, vec *v);
     real (*furthest)(void *on, int64_t n, const vec *x0, const vec *x1);

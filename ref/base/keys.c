@@ -5,7 +5,7 @@
 
 #include "ref/base/stage.h"
 
-static bool less(const struct key *a, const struct key *b)
+static bool is_less(const struct key *a, const struct key *b)
 {
     if (a->hi != b->hi)
         return a->hi < b->hi;
@@ -15,17 +15,17 @@ static bool less(const struct key *a, const struct key *b)
 }
 
 /* Merges the sorted runs [a, m) and [m, e) of `from` into [a, e) of `to`. */
-static void merge(const struct key *from, struct key *to, int64_t a, int64_t m,
-                  int64_t e)
+static void merge_runs(const struct key *from, struct key *to, int64_t a,
+                       int64_t m, int64_t e)
 {
     int64_t i = a, j = m;
     for (int64_t k = a; k < e; k++) {
-        bool left = j == e || (i < m && !less(&from[j], &from[i]));
+        bool left = j == e || (i < m && !is_less(&from[j], &from[i]));
         to[k] = left ? from[i++] : from[j++];
     }
 }
 
-static int64_t least(int64_t a, int64_t b)
+static int64_t least_of(int64_t a, int64_t b)
 {
     return a < b ? a : b;
 }
@@ -37,7 +37,8 @@ struct key *keys_sort(int64_t n, struct key *key, struct key *spare)
         EACH_ITEM
         for (int64_t k = 0; k < merges; k++) {
             int64_t a = 2 * run * k;
-            merge(key, spare, a, least(a + run, n), least(a + 2 * run, n));
+            merge_runs(key, spare, a, least_of(a + run, n),
+                       least_of(a + 2 * run, n));
         }
         struct key *swap = key;
         key = spare;

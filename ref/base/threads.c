@@ -39,7 +39,7 @@ void threads_serial(int by)
     serial += by;
 }
 
-static int processors(void)
+static int count_processors(void)
 {
 #ifdef CPU_COUNT
     cpu_set_t set;
@@ -106,7 +106,7 @@ static void wait_for_work(struct threads *t)
     pthread_mutex_unlock(&t->lock);
 }
 
-static void *work(void *user)
+static void *run_worker(void *user)
 {
     struct threads *t = user;
     /* waits until start_workers has set t->count */
@@ -131,7 +131,7 @@ static void start_workers(struct threads *t)
     pthread_sigmask(SIG_SETMASK, &all, &before);
     pthread_mutex_lock(&t->lock);
     int n = 1;
-    while (n < t->asked && !pthread_create(&t->worker[n], NULL, work, t))
+    while (n < t->asked && !pthread_create(&t->worker[n], NULL, run_worker, t))
         n++;
     t->count = n;
     atomic_store(&t->ticket, (unsigned)n); /* loop 0, all parts begun */
@@ -178,7 +178,7 @@ void threads_parallel(void run(void *data), void *data, unsigned most,
 
 void threads_begin(struct threads *t, int threads)
 {
-    int most = THREADS_SOME, n = processors();
+    int most = THREADS_SOME, n = count_processors();
     if (most < 2 * n)
         most = 2 * n < THREADS_MOST ? 2 * n : THREADS_MOST;
     n = threads > 0 ? threads : n;

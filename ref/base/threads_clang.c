@@ -68,7 +68,7 @@ void threads_end_reduce(void *where, int32_t thread, void *lock);
                                                             AT_##n);           \
         break
 
-static void call(void *data)
+static void call_part(void *data)
 {
     struct call *c = data;
     void **a = c->at;
@@ -105,7 +105,7 @@ void threads_fork(void *where, int32_t n, micro *run, ...)
     for (int k = 0; k < n && k < SHARED; k++)
         c.at[k] = va_arg(args, void *);
     va_end(args);
-    threads_parallel(call, &c, 0, 0);
+    threads_parallel(call_part, &c, 0, 0);
 }
 
 int32_t threads_global(void *where)

@@ -21,8 +21,8 @@ static struct box still_box(const struct tree_scene *s,
 /* Whether the test of §2 applies to root pair (a, b): for a cloth with itself
  * the grid must be full; for two meshes neither may be of class TREE_MOVING,
  * because no box is kept for such a mesh. */
-static bool covered(const struct tree_scene *s, const struct tree *t,
-                    const struct tree_map *map, int32_t a, int32_t b)
+static bool is_covered(const struct tree_scene *s, const struct tree *t,
+                       const struct tree_map *map, int32_t a, int32_t b)
 {
     const struct tree_mesh *m = &s->mesh[t->mesh[a]], *o = &s->mesh[t->mesh[b]];
     if (a == b)
@@ -37,25 +37,25 @@ int apart_make(struct apart *a, const struct tree_scene *scene,
     a->n = roots;
     a->able = true;
     a->pair = arena_take(arena, ARENA_TREE, roots, sizeof *a->pair);
-    a->whole = arena_take(arena, ARENA_TREE, scene->meshes, sizeof *a->whole);
+    a->bounds = arena_take(arena, ARENA_TREE, scene->meshes, sizeof *a->bounds);
     if (arena->failed)
         return DRAPE_ENOMEM;
     for (int64_t k = 0; k < roots; k++) {
         a->pair[k][0] = tree->mesh[root[k][0]];
         a->pair[k][1] = tree->mesh[root[k][1]];
-        a->able &= covered(scene, tree, map, root[k][0], root[k][1]);
+        a->able &= is_covered(scene, tree, map, root[k][0], root[k][1]);
     }
     for (int32_t k = 0; k < scene->meshes; k++)
         if (scene->mesh[k].kind == TREE_STATIC && scene->mesh[k].tris)
-            a->whole[k].box = still_box(scene, &scene->mesh[k]);
+            a->bounds[k].box = still_box(scene, &scene->mesh[k]);
     return DRAPE_OK;
 }
 
 bool apart_all(const struct apart *a, real r)
 {
     for (int64_t k = 0; k < a->n; k++) {
-        const struct whole *m = &a->whole[a->pair[k][0]];
-        const struct whole *o = &a->whole[a->pair[k][1]];
+        const struct mesh_bounds *m = &a->bounds[a->pair[k][0]];
+        const struct mesh_bounds *o = &a->bounds[a->pair[k][1]];
         if (m == o ? !cones_apart(&m->tangents, r)
                    : box_meets(&m->box, &o->box, box_reach(r)))
             return false;

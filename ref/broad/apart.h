@@ -8,14 +8,14 @@
 
 #include "ref/broad/tree.h"
 
-struct whole;
+struct mesh_bounds;
 
 struct apart {
-    bool able;           /* false: §2 does not apply to some pair, so the
-                            test is never made */
-    int64_t n;           /* pairs */
-    int32_t (*pair)[2];  /* [n] two meshes; equal: a cloth with itself */
-    struct whole *whole; /* [meshes] grids first, as stage extent writes
+    bool able;          /* false: §2 does not apply to some pair, so the
+                           test is never made */
+    int64_t n;          /* pairs */
+    int32_t (*pair)[2]; /* [n] two meshes; equal: a cloth with itself */
+    struct mesh_bounds *bounds; /* [meshes] grids first, as stage extent writes
                             them; static meshes hold their box only */
 };
 
@@ -26,7 +26,7 @@ int apart_make(struct apart *a, const struct tree_scene *scene,
                int64_t roots, const int32_t (*root)[2], struct arena *arena);
 
 /* Whether no pair of meshes can come within r. Stage extent must have written
- * a->whole for this query. */
+ * a->bounds for this query. */
 bool apart_all(const struct apart *a, real r);
 
 #endif

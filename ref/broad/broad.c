@@ -14,8 +14,8 @@
 
 /* Makes sure that a pool has a capacity of `need` items, with a quarter more in
  * reserve when the pool must grow. Without memory the old pool stays. */
-static int grow(struct broad *b, struct broad_pool *p, enum arena_part part,
-                int64_t need, size_t size)
+static int grow_pool(struct broad *b, struct broad_pool *p,
+                     enum arena_part part, int64_t need, size_t size)
 {
     if (need <= p->cap)
         return DRAPE_OK;
@@ -33,20 +33,20 @@ static int grow(struct broad *b, struct broad_pool *p, enum arena_part part,
  * the stream of the pairs themselves, is grown last. */
 static int grow_scratch(struct broad *b, int64_t need)
 {
-    int status = grow(b, &b->mask, ARENA_PAIRS, need, sizeof(uint16_t));
+    int status = grow_pool(b, &b->mask, ARENA_PAIRS, need, sizeof(uint16_t));
     if (status == DRAPE_OK)
-        status = grow(b, &b->act, ARENA_PAIRS, need, sizeof(uint8_t));
+        status = grow_pool(b, &b->act, ARENA_PAIRS, need, sizeof(uint8_t));
     if (status == DRAPE_OK)
-        status = grow(b, &b->sum, ARENA_PAIRS, need / BVTT_BLOCK + 1,
-                      sizeof(int64_t));
+        status = grow_pool(b, &b->sum, ARENA_PAIRS, need / BVTT_BLOCK + 1,
+                           sizeof(int64_t));
     if (status == DRAPE_OK)
-        status = grow(b, &b->pair, ARENA_PAIRS, need, 4 * sizeof(int32_t));
+        status = grow_pool(b, &b->pair, ARENA_PAIRS, need, 4 * sizeof(int32_t));
     return status;
 }
 
 /* §1: whether triangles of two meshes are compared. */
-static bool compared(const struct tree_mesh *k, const struct tree_mesh *l,
-                     bool self)
+static bool are_compared(const struct tree_mesh *k, const struct tree_mesh *l,
+                         bool self)
 {
     bool cloth = k->kind == TREE_CLOTH, other = l->kind == TREE_CLOTH;
     if (!k->tris || !l->tris)
@@ -77,13 +77,13 @@ static int make_roots(struct broad *b, const struct tree_scene *s, bool self)
             top[b->tree.mesh[a]] = a;
     for (int32_t k = 0; k < s->meshes; k++)
         for (int32_t l = k; l < s->meshes; l++)
-            n += compared(&s->mesh[k], &s->mesh[l], self);
+            n += are_compared(&s->mesh[k], &s->mesh[l], self);
     b->root = arena_take(b->arena, ARENA_FRONT, n, sizeof *b->root);
     if (!b->root)
         return DRAPE_ENOMEM;
     for (int32_t k = 0; k < s->meshes; k++)
         for (int32_t l = k; l < s->meshes; l++)
-            if (compared(&s->mesh[k], &s->mesh[l], self)) {
+            if (are_compared(&s->mesh[k], &s->mesh[l], self)) {
                 b->root[b->roots][0] = top[k];
                 b->root[b->roots++][1] = top[l];
             }
@@ -98,7 +98,8 @@ static int begin_front(struct broad *b, int64_t need)
 {
     int status = grow_scratch(b, need + need / 4 + 256);
     if (status == DRAPE_OK)
-        status = grow(b, &b->front, ARENA_FRONT, need, 2 * sizeof(int32_t));
+        status =
+            grow_pool(b, &b->front, ARENA_FRONT, need, 2 * sizeof(int32_t));
     b->n_front = b->front.data ? b->roots : 0;
     if (b->n_front)
         memcpy(b->front.data, b->root, (size_t)b->roots * sizeof *b->root);
@@ -140,21 +141,21 @@ void broad_count_empty(struct broad *b)
     b->n = b->n_vf = b->n_both = b->visited = 0;
 }
 
-int broad_whole_apart(struct broad *b, const vec *x0, const vec *x1, real r,
-                      bool *apart)
+int broad_meshes_apart(struct broad *b, const vec *x0, const vec *x1, real r,
+                       bool *apart)
 {
     struct extent s = {.nv = b->nv,
                        .n_grid = b->map.n_grid,
                        .grid = b->map.grid,
                        .x0 = x0,
                        .x1 = x1,
-                       .whole = b->apart.whole};
+                       .bounds = b->apart.bounds};
     *apart = false;
     if (!b->apart.able)
         return DRAPE_OK;
     int status = ref_extent(&s);
-    trace_stage(b->trace, "extent", s.whole,
-                (size_t)s.n_grid * sizeof *s.whole);
+    trace_stage(b->trace, "extent", s.bounds,
+                (size_t)s.n_grid * sizeof *s.bounds);
     *apart = status == DRAPE_OK && apart_all(&b->apart, r);
     if (*apart)
         broad_count_empty(b);
@@ -239,7 +240,7 @@ int broad_update_front(struct broad *b)
 
 /* Runs stage walk, growing its streams until the triangle pairs below the front
  * fit. */
-static int walk(struct broad *b)
+static int run_walk(struct broad *b)
 {
     struct walk s = {
         .nv = b->nv,
@@ -269,8 +270,8 @@ static int walk(struct broad *b)
         }
         status = grow_scratch(b, s.need);
         if (status == DRAPE_OK)
-            status =
-                grow(b, &b->both, ARENA_PAIRS, s.need_tri, 2 * sizeof(int32_t));
+            status = grow_pool(b, &b->both, ARENA_PAIRS, s.need_tri,
+                               2 * sizeof(int32_t));
         if (status != DRAPE_OK)
             return status;
     }
@@ -278,7 +279,7 @@ static int walk(struct broad *b)
 
 int broad_candidates(struct broad *b)
 {
-    int status = walk(b);
+    int status = run_walk(b);
     struct features s = {.nv = b->nv,
                          .nt = b->tree.n_tri,
                          .n = b->n_both,
@@ -293,10 +294,10 @@ int broad_candidates(struct broad *b)
     b->n = b->n_vf = 0;
     if (status != DRAPE_OK || !b->n_both)
         return status;
-    status = grow(b, &b->mask, ARENA_PAIRS, s.n, sizeof *s.mask);
+    status = grow_pool(b, &b->mask, ARENA_PAIRS, s.n, sizeof *s.mask);
     if (status == DRAPE_OK)
-        status =
-            grow(b, &b->sum, ARENA_PAIRS, 2 * bvtt_blocks(s.n), sizeof *s.sum);
+        status = grow_pool(b, &b->sum, ARENA_PAIRS, 2 * bvtt_blocks(s.n),
+                           sizeof *s.sum);
     while (status == DRAPE_OK) {
         s.mask = b->mask.data;
         s.sum = b->sum.data;
@@ -306,9 +307,10 @@ int broad_candidates(struct broad *b)
         status = ref_features(&s);
         if (status != DRAPE_EFULL)
             break;
-        status = grow(b, &b->pair, ARENA_PAIRS, s.need, 4 * sizeof(int32_t));
+        status =
+            grow_pool(b, &b->pair, ARENA_PAIRS, s.need, 4 * sizeof(int32_t));
         if (status == DRAPE_OK)
-            status = grow(b, &b->kind, ARENA_PAIRS, s.need, 1);
+            status = grow_pool(b, &b->kind, ARENA_PAIRS, s.need, 1);
     }
     trace_stage(b->trace, "features", s.pair,
                 (size_t)s.n_pair * 4 * sizeof(int32_t));

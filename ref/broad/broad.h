@@ -83,11 +83,11 @@ int broad_make(struct broad *b, const struct tree_scene *scene, bool self,
  * candidates. The query is then complete: it is counted by broad_count_empty
  * and no other call is needed. *apart is false where this cheap test cannot
  * tell. */
-int broad_whole_apart(struct broad *b, const vec *x0, const vec *x1, real r,
-                      bool *apart);
+int broad_meshes_apart(struct broad *b, const vec *x0, const vec *x1, real r,
+                       bool *apart);
 
-/* Counts a query that broad_whole_apart has settled, and sets its candidates to
- * none. */
+/* Counts a query that broad_meshes_apart has settled, and sets its candidates
+ * to none. */
 void broad_count_empty(struct broad *b);
 
 /* Begins a query for features that come within r of each other on the way from

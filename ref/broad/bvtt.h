@@ -41,10 +41,10 @@ static inline bool bvtt_clear(const struct bvtt *s, int32_t a, int32_t b)
         a = t->parent[a];
         b = t->parent[b];
     }
-    bool turn = dj < 0 || (dj == 0 && di < 0);
-    di = turn ? -di : di;
+    bool swapped = dj < 0 || (dj == 0 && di < 0);
+    di = swapped ? -di : di;
     /* Directions (0,0) (1,0) (1,1) (0,1) (-1,1) have bits 0 to 4. */
-    return s->clear[turn ? b : a] >> (dj == 0 ? di : 3 - di) & 1;
+    return s->clear[swapped ? b : a] >> (dj == 0 ? di : 3 - di) & 1;
 }
 
 static inline bool bvtt_meets(const struct bvtt *s, real reach, int32_t a,

@@ -7,7 +7,7 @@
  * it covers all roundings. */
 #define CONES_ROOM 32
 
-static struct tangents join(struct tangents a, struct tangents b)
+static struct tangents join_tangents(struct tangents a, struct tangents b)
 {
     struct tangents c = {vec_min(a.ulo, b.ulo), vec_max(a.uhi, b.uhi),
                          vec_min(a.vlo, b.vlo), vec_max(a.vhi, b.vhi)};
@@ -15,7 +15,7 @@ static struct tangents join(struct tangents a, struct tangents b)
 }
 
 /* §2: bounds the tangents of a cell that has both its triangles. */
-static struct tangents cell(const struct cones *s, int32_t a)
+static struct tangents bound_cell(const struct cones *s, int32_t a)
 {
     const struct tree_grid *g = &s->map.grid[s->tree.mesh[a]];
     int32_t i = s->tree.place[a] & 0xffff, j = s->tree.place[a] >> 16;
@@ -29,27 +29,27 @@ static struct tangents cell(const struct cones *s, int32_t a)
         vec v1 = vec_sub(x[k][w + 1], x[k][v + 1]);
         struct tangents c = {vec_min(u0, u1), vec_max(u0, u1), vec_min(v0, v1),
                              vec_max(v0, v1)};
-        b = k ? join(b, c) : c;
+        b = k ? join_tangents(b, c) : c;
     }
     return b;
 }
 
 /* Returns the tangent bounds of a full node. They are stored for inner nodes;
  * for a leaf they are computed here, as few leaves are read twice. */
-static struct tangents tangents(const struct cones *s, int64_t a)
+static struct tangents tangents_of(const struct cones *s, int64_t a)
 {
     int64_t leaves = s->tree.n_cloth - s->n_inner;
-    return a < leaves ? cell(s, (int32_t)a) : s->tangents[a - leaves];
+    return a < leaves ? bound_cell(s, (int32_t)a) : s->tangents[a - leaves];
 }
 
-static void fit(const struct cones *s, int64_t a)
+static void fit_node(const struct cones *s, int64_t a)
 {
     int32_t c = s->tree.first[a];
     if (!s->map.full[a] || !s->stir[a])
         return;
-    struct tangents b = tangents(s, c);
+    struct tangents b = tangents_of(s, c);
     for (int k = 1; k < s->tree.count[a]; k++)
-        b = join(b, tangents(s, c + k));
+        b = join_tangents(b, tangents_of(s, c + k));
     s->tangents[a - (s->tree.n_cloth - s->n_inner)] = b;
 }
 
@@ -104,7 +104,7 @@ bool cones_apart(const struct tangents *b, real r)
 }
 
 /* Returns the node at offset (di, dj) from a on the same level, or -1. */
-static int32_t beside(const struct cones *s, int32_t a, int di, int dj)
+static int32_t find_neighbour(const struct cones *s, int32_t a, int di, int dj)
 {
     const struct tree_grid *g = &s->map.grid[s->tree.mesh[a]];
     int l = s->tree.level[a], unit = 1 << l;
@@ -122,13 +122,13 @@ static bool patch_apart(const struct cones *s, int32_t a, int di, int dj)
 {
     if (!s->map.full[a])
         return false;
-    struct tangents b = tangents(s, a);
+    struct tangents b = tangents_of(s, a);
     for (int k = 1; k < 4; k++) {
         int i = k & 1 ? di : 0, j = k & 2 ? dj : 0;
-        int32_t c = i || j ? beside(s, a, i, j) : a;
+        int32_t c = i || j ? find_neighbour(s, a, i, j) : a;
         if (c < 0 || !s->map.full[c])
             return false;
-        b = join(b, tangents(s, c));
+        b = join_tangents(b, tangents_of(s, c));
     }
     return cones_apart(&b, s->r);
 }
@@ -136,13 +136,14 @@ static bool patch_apart(const struct cones *s, int32_t a, int di, int dj)
 /* §5: sets the bits of node a. A bit is set if the pair of parents is clear, or
  * if the test of §4 proves the pair clear. A pair of which neither node stirs
  * keeps its bit (§6). */
-static void mark(const struct cones *s, const struct bvtt *above, int32_t a)
+static void mark_clear(const struct cones *s, const struct bvtt *above,
+                       int32_t a)
 {
     static const int di[5] = {0, 1, 1, 0, -1}, dj[5] = {0, 0, 1, 1, 1};
     int32_t up = s->tree.parent[a];
     int bits = 0;
     for (int k = CLEAR_SELF; k <= CLEAR_NW; k++) {
-        int32_t b = beside(s, a, di[k], dj[k]);
+        int32_t b = find_neighbour(s, a, di[k], dj[k]);
         if (b < 0)
             continue;
         if (!(s->stir[a] | s->stir[b]))
@@ -163,13 +164,13 @@ int ref_cones(struct cones *s)
         const int32_t *run = s->tree.range + l;
         EACH_MANY(run[1] - run[0])
         for (int32_t a = run[0]; a < run[1]; a++)
-            fit(s, a);
+            fit_node(s, a);
     }
     for (int64_t l = s->tree.levels - 1; l >= 0; l--) {
         const int32_t *run = s->tree.range + l;
         EACH_MANY(run[1] - run[0])
         for (int32_t a = run[0]; a < run[1]; a++)
-            mark(s, &above, a);
+            mark_clear(s, &above, a);
     }
     return DRAPE_OK;
 }

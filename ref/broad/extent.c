@@ -13,7 +13,7 @@ struct lanes {
     real nan[LANES]; /* 0, or NaN after a NaN or an infinity */
 };
 
-static void clear(struct lanes *l)
+static void clear_lanes(struct lanes *l)
 {
     for (int k = 0; k < LANES; k++) {
         l->lo[k] = R(INFINITY);
@@ -22,7 +22,7 @@ static void clear(struct lanes *l)
     }
 }
 
-static void join(struct lanes *restrict l, const real *restrict v)
+static void join_row(struct lanes *restrict l, const real *restrict v)
 {
     for (int k = 0; k < LANES; k++) {
         l->lo[k] = real_min(v[k], l->lo[k]);
@@ -39,14 +39,14 @@ static void join_few(struct lanes *l, const real *v, int64_t n)
         return;
     for (int k = 0; k < LANES; k++)
         all[k] = v[k < n ? k : k % 3];
-    join(l, all);
+    join_row(l, all);
 }
 
 /* Joins the reals a[0 … n), and notes those that are not finite. */
-static void note(struct lanes *l, const real *a, int64_t n)
+static void note_reals(struct lanes *l, const real *a, int64_t n)
 {
     for (; n >= LANES; n -= LANES, a += LANES) {
-        join(l, a);
+        join_row(l, a);
         for (int k = 0; k < LANES; k++)
             l->nan[k] += a[k] - a[k];
     }
@@ -63,7 +63,7 @@ static void note_edges(struct lanes *l, const real *from, const real *to,
     for (; n >= LANES; n -= LANES, from += LANES, to += LANES) {
         for (int k = 0; k < LANES; k++)
             d[k] = to[k] - from[k];
-        join(l, d);
+        join_row(l, d);
     }
     for (int k = 0; k < n; k++)
         d[k] = to[k] - from[k];
@@ -72,7 +72,7 @@ static void note_edges(struct lanes *l, const real *from, const real *to,
 
 /* Reduces the lanes to a box; a zero is written as +0. Returns false where a
  * position is NaN or out of range. */
-static bool gather(const struct lanes *l, vec *lo, vec *hi)
+static bool gather_lanes(const struct lanes *l, vec *lo, vec *hi)
 {
     real a[3] = {R(INFINITY), R(INFINITY), R(INFINITY)}, b[3], nan = 0;
     for (int c = 0; c < 3; c++)
@@ -89,33 +89,33 @@ static bool gather(const struct lanes *l, vec *lo, vec *hi)
 
 /* §1: bounds one grid at both ends of the step. Returns false where a position
  * is NaN or out of range. */
-static bool measure(const struct extent *s, const struct tree_grid *g,
-                    struct whole *w)
+static bool measure_grid(const struct extent *s, const struct tree_grid *g,
+                         struct mesh_bounds *w)
 {
     struct lanes end[2], u, v;
     int64_t row = 3 * (int64_t)g->m;
-    clear(&end[0]);
-    clear(&end[1]);
-    clear(&u);
-    clear(&v);
+    clear_lanes(&end[0]);
+    clear_lanes(&end[1]);
+    clear_lanes(&u);
+    clear_lanes(&v);
     for (int64_t j = 0; j < g->n; j++)
         for (int k = 0; k < 2; k++) {
             const real *a = &(k ? s->x1 : s->x0)[g->base + j * g->m].x;
-            note(&end[k], a, row);
+            note_reals(&end[k], a, row);
             note_edges(&u, a, a + 3, row - 3);
             if (j + 1 < g->n)
                 note_edges(&v, a, a + row, row);
         }
-    gather(&u, &w->tangents.ulo, &w->tangents.uhi);
-    gather(&v, &w->tangents.vlo, &w->tangents.vhi);
-    bool good = gather(&end[0], &w->box.lo0, &w->box.hi0);
-    return gather(&end[1], &w->box.lo1, &w->box.hi1) && good;
+    gather_lanes(&u, &w->tangents.ulo, &w->tangents.uhi);
+    gather_lanes(&v, &w->tangents.vlo, &w->tangents.vhi);
+    bool good = gather_lanes(&end[0], &w->box.lo0, &w->box.hi0);
+    return gather_lanes(&end[1], &w->box.lo1, &w->box.hi1) && good;
 }
 
 int ref_extent(struct extent *s)
 {
     bool good = true;
     for (int64_t k = 0; k < s->n_grid; k++)
-        good &= measure(s, &s->grid[k], &s->whole[k]);
+        good &= measure_grid(s, &s->grid[k], &s->bounds[k]);
     return good ? DRAPE_OK : DRAPE_EDATA;
 }

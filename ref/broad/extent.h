@@ -8,7 +8,7 @@
 #include "ref/broad/cones.h"
 
 /* Bounds of a whole mesh. */
-struct whole {
+struct mesh_bounds {
     struct box box;           /* of its vertices */
     struct tangents tangents; /* of a grid's cells, cones.md §2 */
 };
@@ -17,7 +17,7 @@ struct extent {
     int64_t nv, n_grid;
     const struct tree_grid *grid; /* [n_grid] */
     const vec *x0, *x1;           /* [nv] m, start and end */
-    struct whole *whole;          /* out: [n_grid] */
+    struct mesh_bounds *bounds;   /* out: [n_grid] */
 };
 
 /* DRAPE_OK, or DRAPE_EDATA where a position of a grid is NaN or out of

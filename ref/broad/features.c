@@ -10,7 +10,7 @@
  * g. */
 enum { VF_BITS = 6 };
 
-static bool has(const int32_t f[3], int32_t v)
+static bool has_vertex(const int32_t f[3], int32_t v)
 {
     return f[0] == v || f[1] == v || f[2] == v;
 }
@@ -22,7 +22,7 @@ struct side {
     struct box face;
 };
 
-static bool moves(const struct features *s, int32_t a, int32_t b)
+static bool pair_moves(const struct features *s, int32_t a, int32_t b)
 {
     return s->n_moved == 0 || (s->moved[a] | s->moved[b]);
 }
@@ -35,11 +35,11 @@ static int test_vertices(const struct features *s, real reach,
     int mask = 0;
     for (int k = 0; k < 3; k++) {
         int32_t v = f->v[k];
-        if (!(f->own >> k & 1) || has(g->v, v))
+        if (!(f->own >> k & 1) || has_vertex(g->v, v))
             continue;
         struct box b = box_vertex(s->x0, s->x1, v);
         if (box_meets(&b, &g->face, reach) &&
-            (moves(s, v, g->v[0]) || moves(s, g->v[1], g->v[2])))
+            (pair_moves(s, v, g->v[0]) || pair_moves(s, g->v[1], g->v[2])))
             mask |= 1 << k;
     }
     return mask;
@@ -66,7 +66,8 @@ static int test_edges(const struct features *s, real reach,
                 b == d)
                 continue;
             struct box h = box_edge(s->x0, s->x1, c, d);
-            if (box_meets(&e, &h, reach) && (moves(s, a, b) || moves(s, c, d)))
+            if (box_meets(&e, &h, reach) &&
+                (pair_moves(s, a, b) || pair_moves(s, c, d)))
                 mask |= 1 << (3 * i + j);
         }
     }
@@ -87,7 +88,7 @@ static uint16_t test_pair(const struct features *s, real reach, int64_t n)
                       test_edges(s, reach, &f, &g) << VF_BITS);
 }
 
-static void swap(int32_t *a, int32_t *b)
+static void swap_ints(int32_t *a, int32_t *b)
 {
     int32_t c = *a;
     *a = *b;
@@ -99,17 +100,18 @@ static void swap(int32_t *a, int32_t *b)
 static void order_edges(int32_t e[4])
 {
     if (e[0] > e[1])
-        swap(&e[0], &e[1]);
+        swap_ints(&e[0], &e[1]);
     if (e[2] > e[3])
-        swap(&e[2], &e[3]);
+        swap_ints(&e[2], &e[3]);
     if (e[0] > e[2]) { /* e[0] ≠ e[2]: no vertex is shared */
-        swap(&e[0], &e[2]);
-        swap(&e[1], &e[3]);
+        swap_ints(&e[0], &e[2]);
+        swap_ints(&e[1], &e[3]);
     }
 }
 
 /* Writes the four vertices of feature pair k. */
-static void make(const int32_t f[3], const int32_t g[3], int k, int32_t to[4])
+static void make_feature(const int32_t f[3], const int32_t g[3], int k,
+                         int32_t to[4])
 {
     if (k < VF_BITS) {
         const int32_t *face = k < 3 ? g : f;
@@ -127,13 +129,15 @@ static void make(const int32_t f[3], const int32_t g[3], int k, int32_t to[4])
     order_edges(to);
 }
 
-static void emit(const struct features *s, int64_t n, int64_t *vf, int64_t *ee)
+static void emit_features(const struct features *s, int64_t n, int64_t *vf,
+                          int64_t *ee)
 {
     for (int k = 0; s->mask[n] >> k; k++) {
         if (!(s->mask[n] >> k & 1))
             continue;
         int64_t at = k < VF_BITS ? (*vf)++ : (*ee)++;
-        make(s->tri[s->both[n][0]], s->tri[s->both[n][1]], k, s->pair[at]);
+        make_feature(s->tri[s->both[n][0]], s->tri[s->both[n][1]], k,
+                     s->pair[at]);
         s->kind[at] = k < VF_BITS ? FEATURES_VF : FEATURES_EE;
     }
 }
@@ -165,7 +169,7 @@ int ref_features(struct features *s)
         int64_t end = (block + 1) * BVTT_BLOCK;
         int64_t vf = s->sum[block], ee = n_vf + s->sum[blocks + block];
         for (int64_t k = block * BVTT_BLOCK; k < s->n && k < end; k++)
-            emit(s, k, &vf, &ee);
+            emit_features(s, k, &vf, &ee);
     }
     s->n_pair = s->need;
     s->n_vf = n_vf;

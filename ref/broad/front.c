@@ -21,7 +21,7 @@ static uint8_t action_of(const struct front *s, bool passes, int32_t a,
 /* §3a: replaces a pair that fails by its highest failing ancestor. All
  * ancestors of a pair that passes pass, so the climb ends at the first ancestor
  * that passes. */
-static void climb(const struct front *s, real reach, int64_t k)
+static void climb_to_failing(const struct front *s, real reach, int64_t k)
 {
     int32_t a = s->pair[k][0], b = s->pair[k][1];
     bool in = bvtt_passes(&s->in, reach, a, b);
@@ -38,7 +38,7 @@ static void climb(const struct front *s, real reach, int64_t k)
 /* Returns how many pairs replace pair k. Siblings that were replaced by one
  * ancestor follow each other in the stream; only the first of such equal
  * neighbours is kept. */
-static int64_t becomes(const struct front *s, int64_t k)
+static int64_t count_successors(const struct front *s, int64_t k)
 {
     const int32_t *e = s->pair[k], *before = s->pair[k > 0 ? k - 1 : 0];
     const struct tree *t = &s->in.tree;
@@ -50,12 +50,13 @@ static int64_t becomes(const struct front *s, int64_t k)
 
 /* Writes the pairs that replace pair k to place `at` and on. Returns the place
  * after them. */
-static int64_t emit(const struct front *s, int64_t k, int64_t at)
+static int64_t emit_successors(const struct front *s, int64_t k, int64_t at)
 {
     const struct tree *t = &s->in.tree;
     int32_t a = s->pair[k][0], b = s->pair[k][1];
     int d = s->act[k] == SPLIT ? tree_descends(t, a, b) : 0;
-    uint32_t mask = d ? bvtt_children(t, d, a, b) : (uint32_t)becomes(s, k);
+    uint32_t mask =
+        d ? bvtt_children(t, d, a, b) : (uint32_t)count_successors(s, k);
     for (int c = 0; c < 16; c++) {
         if (!(mask >> c & 1))
             continue;
@@ -71,14 +72,14 @@ static int64_t emit(const struct front *s, int64_t k, int64_t at)
 /* Makes one pass over the stream, whose actions are known: count by block,
  * scan, write, swap the two streams. Returns false where the capacity is too
  * small. */
-static bool pass(struct front *s)
+static bool make_pass(struct front *s)
 {
     int64_t blocks = bvtt_blocks(s->n);
     EACH_MANY(s->n)
     for (int64_t block = 0; block < blocks; block++) {
         int64_t end = (block + 1) * BVTT_BLOCK, count = 0;
         for (int64_t k = block * BVTT_BLOCK; k < s->n && k < end; k++)
-            count += becomes(s, k);
+            count += count_successors(s, k);
         s->sum[block] = count;
     }
     s->need = bvtt_scan(s->sum, blocks);
@@ -88,7 +89,7 @@ static bool pass(struct front *s)
     for (int64_t block = 0; block < blocks; block++) {
         int64_t end = (block + 1) * BVTT_BLOCK, at = s->sum[block];
         for (int64_t k = block * BVTT_BLOCK; k < s->n && k < end; k++)
-            at = emit(s, k, at);
+            at = emit_successors(s, k, at);
     }
     int32_t(*swap)[2] = s->pair;
     uint8_t *swap_act = s->act;
@@ -129,9 +130,9 @@ int ref_front(struct front *s)
     s->visited = s->n;
     EACH_MANY(s->n)
     for (int64_t k = 0; k < s->n; k++)
-        climb(s, reach, k);
+        climb_to_failing(s, reach, k);
     for (int64_t tested = 1; tested > 0; s->visited += tested) {
-        if (!pass(s))
+        if (!make_pass(s))
             return DRAPE_EFULL;
         tested = test_new(s, reach);
     }

@@ -25,7 +25,7 @@ static struct box fit_inner(const struct refit *s, int32_t a)
 }
 
 /* §4: whether a vertex of node a has moved. */
-static uint8_t stir(const struct refit *s, int32_t a)
+static uint8_t has_moved(const struct refit *s, int32_t a)
 {
     const struct tree *t = &s->tree;
     uint8_t any = s->n_moved == 0;
@@ -40,7 +40,7 @@ static uint8_t stir(const struct refit *s, int32_t a)
     return any;
 }
 
-static bool sane(const struct refit *s)
+static bool is_input_sane(const struct refit *s)
 {
     for (int64_t k = 0; k < s->nv; k++)
         if ((s->n_moved == 0 || s->moved[k]) &&
@@ -51,13 +51,13 @@ static bool sane(const struct refit *s)
 
 /* Refits nodes [first, end) of one level. `still` marks nodes of static meshes,
  * which never stir. Returns how many boxes were made. */
-static int64_t fit(const struct refit *s, int32_t first, int32_t end,
-                   bool still)
+static int64_t fit_level(const struct refit *s, int32_t first, int32_t end,
+                         bool still)
 {
     int64_t made = 0;
     COUNT_MANY(end - first, made)
     for (int32_t a = first; a < end; a++) {
-        s->stir[a] = still ? 0 : stir(s, a);
+        s->stir[a] = still ? 0 : has_moved(s, a);
         if (!still && !s->stir[a] && !s->every)
             continue;
         s->box[a] = s->tree.level[a] ? fit_inner(s, a) : fit_leaf(s, a);
@@ -69,13 +69,13 @@ static int64_t fit(const struct refit *s, int32_t first, int32_t end,
 int ref_refit(struct refit *s)
 {
     s->made = 0;
-    if (!sane(s))
+    if (!is_input_sane(s))
         return DRAPE_EDATA;
     int classes = s->all ? TREE_CLASSES : TREE_STATIC;
     for (int64_t l = 0; l < s->tree.levels; l++)
         for (int c = 0; c < classes; c++) {
             const int32_t *run = s->tree.range + c * s->tree.levels + l;
-            s->made += fit(s, run[0], run[1], c == TREE_STATIC);
+            s->made += fit_level(s, run[0], run[1], c == TREE_STATIC);
         }
     return DRAPE_OK;
 }

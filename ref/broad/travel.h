@@ -5,7 +5,7 @@
 #ifndef REF_TRAVEL_H
 #define REF_TRAVEL_H
 
-#include "ref/contact/contact.h"
+#include "ref/broad/pair.h"
 
 struct travel {
     int64_t nv, n;       /* vertices, candidates */

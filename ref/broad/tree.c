@@ -13,7 +13,7 @@ static int mesh_levels(const struct tree_mesh *g)
 }
 
 /* Checks the meshes and finds an upper bound of the number of nodes. */
-static int measure(struct tree_plan *p)
+static int measure_meshes(struct tree_plan *p)
 {
     const struct tree_scene *s = p->scene;
     int32_t at_tri = 0;
@@ -46,7 +46,7 @@ struct item {
     int32_t tri;
 };
 
-static bool before(const struct item *a, const struct item *b, int axis)
+static bool comes_before(const struct item *a, const struct item *b, int axis)
 {
     return a->c[axis] < b->c[axis] ||
            (a->c[axis] == b->c[axis] && a->tri < b->tri);
@@ -60,9 +60,9 @@ static void select_first(struct item *a, int64_t n, int64_t k, int axis)
         struct item pivot = a[lo + (hi - lo) / 2];
         int64_t i = lo, j = hi;
         while (i <= j) {
-            while (before(&a[i], &pivot, axis))
+            while (comes_before(&a[i], &pivot, axis))
                 i++;
-            while (before(&pivot, &a[j], axis))
+            while (comes_before(&pivot, &a[j], axis))
                 j--;
             if (i <= j) {
                 struct item swap = a[i];
@@ -187,7 +187,8 @@ static void number_nodes(struct tree_plan *p, struct tree_run *run)
     p->tree->n_cloth = p->range[levels];
 }
 
-static int fill(struct tree_plan *p, struct item *item, struct tree_run *run)
+static int fill_tree(struct tree_plan *p, struct item *item,
+                     struct tree_run *run)
 {
     const struct tree_scene *s = p->scene;
     memset(run, 0, (size_t)s->meshes * sizeof *run);
@@ -240,7 +241,7 @@ static void take_streams(struct tree_plan *p, struct arena *a)
                           sizeof *p->range);
 }
 
-static void publish(const struct tree_plan *p, struct tree_map *map)
+static void publish_map(const struct tree_plan *p, struct tree_map *map)
 {
     struct tree *t = p->tree;
     t->n_tri = p->scene->tris;
@@ -269,7 +270,7 @@ int tree_build(const struct tree_scene *scene, struct arena *arena,
     struct tree_plan p = {.scene = scene, .tree = tree};
     memset(tree, 0, sizeof *tree);
     memset(map, 0, sizeof *map);
-    int status = measure(&p);
+    int status = measure_meshes(&p);
     if (status != DRAPE_OK)
         return status;
     take_streams(&p, arena);
@@ -277,13 +278,13 @@ int tree_build(const struct tree_scene *scene, struct arena *arena,
         arena_take(arena, ARENA_TREE, scene->tris, sizeof *item);
     struct tree_run *run =
         arena_take(arena, ARENA_TREE, scene->meshes, sizeof *run);
-    status = arena->failed ? DRAPE_ENOMEM : fill(&p, item, run);
+    status = arena->failed ? DRAPE_ENOMEM : fill_tree(&p, item, run);
     if (status == DRAPE_OK)
         status = tree_own(scene, arena, p.own);
     if (status == DRAPE_OK)
-        status = tree_fan(scene, arena, &tree->fan);
+        status = tree_one_rings(scene, arena, &tree->one_rings);
     arena_give(arena, item);
     arena_give(arena, run);
-    publish(&p, map);
+    publish_map(&p, map);
     return status;
 }

@@ -9,12 +9,13 @@
 #include "ref/base/stage.h"
 
 /* The triangles around each vertex. spec/broad/tree.md §4 */
-struct fan {
-    int64_t n_start, n_rim;  /* vertices + 1, 3 · triangles; 0: none known */
-    const int32_t *start;    /* [n_start] the list of vertex v is rim[start[v]]
-                                … rim[start[v + 1] - 1] */
-    const int32_t (*rim)[2]; /* [n_rim] the other two vertices of a triangle, in
-                                its order; triangles ascend */
+struct one_rings {
+    int64_t n_start,
+        n_opposite;       /* vertices + 1, 3 · triangles; 0: none known */
+    const int32_t *start; /* [n_start] the list of vertex v is
+                             opposite[start[v]] … opposite[start[v + 1] - 1] */
+    const int32_t (*opposite)[2]; /* [n_opposite] the other two vertices of a
+                                triangle, in its order; triangles ascend */
 };
 
 enum { TREE_LEVELS = 20, TREE_CLASSES = 3 };
@@ -56,10 +57,10 @@ struct tree {
     const uint8_t *own;      /* [n_tri] bits 0–2: the triangle represents its
                                 vertex k; bits 3–5: its edge from vertex k to
                                 k + 1 */
-    struct fan fan;          /* of all triangles */
-    const int32_t *place;    /* [n_cloth] I | J << 16: position in its level */
-    const int32_t *range;    /* [n_range] first node of class c, level l at
-                                c · levels + l */
+    struct one_rings one_rings; /* of all triangles */
+    const int32_t *place; /* [n_cloth] I | J << 16: position in its level */
+    const int32_t *range; /* [n_range] first node of class c, level l at
+                             c · levels + l */
 };
 
 /* The lookup tables of grids, which stage cones needs besides the tree.

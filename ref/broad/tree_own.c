@@ -11,7 +11,7 @@ struct slot {
     int32_t other, at;
 };
 
-static int ascending(const void *a, const void *b)
+static int compare_edges(const void *a, const void *b)
 {
     const struct slot *s = a, *t = b;
     if (s->other != t->other)
@@ -20,7 +20,7 @@ static int ascending(const void *a, const void *b)
 }
 
 /* Returns the ends of edge k, the smaller vertex first. */
-static void ends(const int32_t f[3], int k, int32_t *a, int32_t *b)
+static void edge_ends(const int32_t f[3], int k, int32_t *a, int32_t *b)
 {
     int32_t p = f[k], q = f[(k + 1) % 3];
     *a = p < q ? p : q;
@@ -54,21 +54,21 @@ static void own_edges(const struct tree_scene *s, int32_t *start,
         start[v] = 0;
     for (int32_t t = 0; t < s->tris; t++)
         for (int k = 0; k < 3; k++) {
-            ends(s->tri[t], k, &a, &b);
+            edge_ends(s->tri[t], k, &a, &b);
             start[a + 1]++;
         }
     for (int32_t v = 0; v < s->vertices; v++)
         start[v + 1] += start[v];
     for (int32_t t = 0; t < s->tris; t++)
         for (int k = 0; k < 3; k++) {
-            ends(s->tri[t], k, &a, &b);
+            edge_ends(s->tri[t], k, &a, &b);
             slot[start[a]].other = b;
             slot[start[a]++].at = 3 * t + k;
         }
     /* start[v] is now the end of bucket v. */
     for (int32_t v = 0, k = 0; v < s->vertices; v++) {
         int32_t end = start[v], begin = k;
-        qsort(slot + k, (size_t)(end - k), sizeof *slot, ascending);
+        qsort(slot + k, (size_t)(end - k), sizeof *slot, compare_edges);
         for (; k < end; k++)
             if (slot[k].other != v &&
                 (k == begin || slot[k].other != slot[k - 1].other))

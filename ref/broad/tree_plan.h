@@ -41,6 +41,7 @@ int tree_own(const struct tree_scene *s, struct arena *arena, uint8_t *own);
 
 /* Makes the lists of the triangles around each vertex. Returns DRAPE_OK or
  * DRAPE_ENOMEM. */
-int tree_fan(const struct tree_scene *s, struct arena *arena, struct fan *fan);
+int tree_one_rings(const struct tree_scene *s, struct arena *arena,
+                   struct one_rings *one_rings);
 
 #endif

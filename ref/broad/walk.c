@@ -12,8 +12,8 @@ struct pass {
 
 /* §1: whether a pair passes. *cleared counts pairs that stir and whose boxes
  * meet, so that only the cones reject them. */
-static bool passes(const struct walk *s, real reach, int32_t a, int32_t b,
-                   int64_t *cleared)
+static bool pair_passes(const struct walk *s, real reach, int32_t a, int32_t b,
+                        int64_t *cleared)
 {
     if (!(s->stir[a] | s->stir[b]) || !bvtt_meets(&s->in, reach, a, b))
         return false;
@@ -37,7 +37,7 @@ static uint32_t test_children(const struct walk *s, real reach,
         if (!(mask >> k & 1))
             continue;
         bvtt_child(t, d, k, &a, &b);
-        if (!passes(s, reach, a, b, cleared))
+        if (!pair_passes(s, reach, a, b, cleared))
             mask &= ~(1u << k);
     }
     return mask;
@@ -54,7 +54,7 @@ static int64_t test_all(const struct walk *s, real reach, const struct pass *p,
         int64_t end = (block + 1) * BVTT_BLOCK, cleared = 0;
         for (int64_t k = block * BVTT_BLOCK; k < p->n && k < end; k++) {
             const int32_t *e = p->from[k];
-            bool in = !first || passes(s, reach, e[0], e[1], &cleared);
+            bool in = !first || pair_passes(s, reach, e[0], e[1], &cleared);
             s->mask[k] =
                 (uint16_t)(in ? test_children(s, reach, e, &cleared) : 0);
         }
@@ -86,7 +86,7 @@ static uint32_t test_leaves(const struct walk *s, real reach,
 
 /* Turns masks into the place where each block of pairs writes its output.
  * Returns the number of outputs. */
-static int64_t place(const struct walk *s, int64_t n)
+static int64_t place_outputs(const struct walk *s, int64_t n)
 {
     int64_t blocks = bvtt_blocks(n);
     EACH_MANY(n)
@@ -101,7 +101,8 @@ static int64_t place(const struct walk *s, int64_t n)
 
 /* Writes the children that the masks name, or in the last pass the
  * triangles. */
-static void write(const struct walk *s, const struct pass *p, bool triangles)
+static void write_outputs(const struct walk *s, const struct pass *p,
+                          bool triangles)
 {
     const struct tree *t = &s->in.tree;
     int64_t blocks = bvtt_blocks(p->n);
@@ -128,7 +129,7 @@ static void write(const struct walk *s, const struct pass *p, bool triangles)
 /* Makes passes until all pairs are leaves. A pass takes every pair down at
  * least one level on one side, so there are at most twice as many passes as
  * levels. */
-static int descend(struct walk *s, real reach, struct pass *p)
+static int descend_tree(struct walk *s, real reach, struct pass *p)
 {
     p->from = s->front;
     p->n = s->n_front;
@@ -136,11 +137,11 @@ static int descend(struct walk *s, real reach, struct pass *p)
     for (int64_t l = 0; l <= 2 * s->in.tree.levels; l++) {
         s->visited += p->n;
         s->cleared += test_all(s, reach, p, l == 0);
-        int64_t n = place(s, p->n);
+        int64_t n = place_outputs(s, p->n);
         s->need = n > s->need ? n : s->need;
         if (n > s->cap)
             return DRAPE_EFULL;
-        write(s, p, false);
+        write_outputs(s, p, false);
         p->from = (const int32_t(*)[2])p->to;
         p->to = p->to == s->pair ? s->other : s->pair;
         p->n = n;
@@ -161,16 +162,16 @@ int ref_walk(struct walk *s)
         return DRAPE_EDATA;
     s->n_tri = s->need_tri = s->visited = s->cleared = 0;
     s->need = s->n_front;
-    if (s->n_front > s->cap || descend(s, reach, &p) != DRAPE_OK)
+    if (s->n_front > s->cap || descend_tree(s, reach, &p) != DRAPE_OK)
         return DRAPE_EFULL;
     EACH_MANY(p.n)
     for (int64_t k = 0; k < p.n; k++)
         s->mask[k] = (uint16_t)test_leaves(s, reach, p.from[k]);
-    s->need_tri = place(s, p.n);
+    s->need_tri = place_outputs(s, p.n);
     if (s->need_tri > s->cap_tri)
         return DRAPE_EFULL;
     p.to = s->tri;
-    write(s, &p, true);
+    write_outputs(s, &p, true);
     s->n_tri = s->need_tri;
     return DRAPE_OK;
 }

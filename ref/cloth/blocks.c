@@ -15,13 +15,13 @@ struct parts {
 
 /* §8: the direction of the spring from p to q, d apart and of this length, half
  * way through the predicted motion. */
-static vec direction(const struct blocks *s, int64_t p, int64_t q, vec d,
-                     real length)
+static vec spring_direction(const struct blocks *s, int64_t p, int64_t q, vec d,
+                            real length)
 {
     vec way = vec_make(0, 0, 0);
     if (s->n_q)
         way = vec_scale(R(0.5) * s->tau, vec_sub(s->q[q], s->q[p]));
-    real size = vec_length(way), most = R(BLOCKS_TURN) * length;
+    real size = vec_length(way), most = R(BLOCKS_ROTATION) * length;
     if (size > most)
         way = vec_scale(most / size, way);
     vec e = vec_add(d, way);
@@ -42,11 +42,11 @@ static struct parts spring_parts(const struct blocks *s, int o, int64_t p,
     real a = tau * law->damp + square * law_slope(law, s->piece, length);
     b.b = square * real_max(law_tension(law, s->piece, length) / length, 0);
     b.c = a - b.b;
-    b.u = direction(s, p, q, d, length);
+    b.u = spring_direction(s, p, q, d, length);
     return b;
 }
 
-static real middle(const struct blocks *s, int o, int64_t p)
+static real triple_stiffness(const struct blocks *s, int o, int64_t p)
 {
     return triple_constant(s->triple, o, s->beside[p]);
 }
@@ -57,16 +57,17 @@ static struct parts with_triples(const struct blocks *s, int o, int64_t p,
                                  struct parts a)
 {
     int64_t q = p + spring_step(s->m, o);
-    real share = spring_share(o, s->beside[p]), square = s->tau * s->tau;
-    a.b = share * a.b + 2 * square * (middle(s, o, p) + middle(s, o, q));
-    a.c *= share;
+    real fraction = spring_fraction(o, s->beside[p]), square = s->tau * s->tau;
+    a.b = fraction * a.b +
+          2 * square * (triple_stiffness(s, o, p) + triple_stiffness(s, o, q));
+    a.c *= fraction;
     return a;
 }
 
 /* §7: of the triple that starts at p, the block between its ends. */
 static struct parts end_to_end(const struct blocks *s, int o, int64_t p)
 {
-    real k = middle(s, o, p + spring_step(s->m, o));
+    real k = triple_stiffness(s, o, p + spring_step(s->m, o));
     return (struct parts){-(s->tau * s->tau * k), 0, {0, 0, 0}};
 }
 
@@ -81,7 +82,7 @@ static struct parts parts_of(const struct blocks *s, int o, int64_t p)
     return s->triples ? with_triples(s, o, p, a) : a;
 }
 
-static sym whole_block(const struct parts *s)
+static sym triple_block(const struct parts *s)
 {
     vec f = vec_scale(real_sqrt(real_max(s->c, 0)), s->u);
     return (sym){f.x * f.x + s->b, f.x * f.y, f.x * f.z,
@@ -95,9 +96,9 @@ int ref_blocks(struct blocks *s)
         EACH_ITEM
         for (int64_t p = 0; p < s->count; p++) {
             struct parts a = parts_of(s, o, p);
-            block[p] = whole_block(&a);
-            if (s->n_thin)
-                s->thin[o * s->count + p] = thin_make(a.c, a.b, a.u);
+            block[p] = triple_block(&a);
+            if (s->n_packed)
+                s->packed[o * s->count + p] = packed_make(a.c, a.b, a.u);
         }
     }
     return DRAPE_OK;

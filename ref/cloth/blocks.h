@@ -4,11 +4,11 @@
 #ifndef REF_BLOCKS_H
 #define REF_BLOCKS_H
 
-#include "ref/base/thin.h"
+#include "ref/base/packed.h"
 #include "ref/cloth/cloth.h"
 
-/* §8: half of the largest turn that a spring is followed through, rad. */
-#define BLOCKS_TURN 0.025
+/* §8: half of the largest rotation that a spring is followed through, rad. */
+#define BLOCKS_ROTATION 0.025
 
 struct blocks {
     int64_t count;             /* particles */
@@ -27,8 +27,8 @@ struct blocks {
     const vec *q;              /* [n_q] m/s, the motion predicted for tau */
     real tau;                  /* s, > 0 */
     sym *block; /* out: [SPRINGS·count] kg, spring o of p at o·count + p */
-    int64_t n_thin;    /* SPRINGS·count, or 0: no thin blocks */
-    struct thin *thin; /* out: [n_thin] the same blocks in 64 bits, §5 */
+    int64_t n_packed;      /* SPRINGS·count, or 0: no packed blocks */
+    struct packed *packed; /* out: [n_packed] the same blocks in 64 bits, §5 */
 };
 
 /* Returns DRAPE_OK. Values that are not finite propagate. */

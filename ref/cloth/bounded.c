@@ -4,7 +4,8 @@
 #include "ref/cloth/bounded.h"
 
 /* What wind and moving pins may have put in, J, at most. */
-static double allowance(const struct dynamics *s, double reach, double elastic)
+static double allowed_gain(const struct dynamics *s, double reach,
+                           double elastic)
 {
     const struct cloth *c = s->cloth;
     double mass = (double)c->cell_mass * (double)(c->n_triangles / 2);
@@ -31,14 +32,14 @@ static double least_energy(const struct cloth *c)
 
 /* False where the energy has grown without a cause, or is no number. What
  * contacts add has a cause. */
-static bool bounded(struct dynamics *s, double reach)
+static bool is_energy_bounded(struct dynamics *s, double reach)
 {
     const double *before = s->before, *after = s->energy;
     double own = after[0] + after[1], least = least_energy(s->cloth);
     if (s->met)
         return own >= 0 && own <= 0x1p120;
     double gain = (after[0] - before[0]) + (after[1] - before[1]) +
-                  (after[2] - before[2]) - allowance(s, reach, before[1]);
+                  (after[2] - before[2]) - allowed_gain(s, reach, before[1]);
     double surplus = s->surplus + gain;
     if (!(own >= 0 && own <= 0x1p120) || !(surplus <= 0x1p120))
         return false;
@@ -52,7 +53,7 @@ static bool bounded(struct dynamics *s, double reach)
 bool bounded_keeps(struct dynamics *s, bool sane, double reach)
 {
     double reference = s->reference, surplus = s->surplus;
-    if (sane && bounded(s, reach))
+    if (sane && is_energy_bounded(s, reach))
         return true;
     s->outcome |= DRAPE_DIVERGED;
     s->reference = reference;

@@ -7,7 +7,7 @@
 #include "ref/cloth/measured.h"
 #include "ref/cloth/triple.h"
 
-static bool absent(const drape_cloth *d, int64_t p)
+static bool is_absent(const drape_cloth *d, int64_t p)
 {
     return d->hole && d->hole[p];
 }
@@ -21,13 +21,13 @@ static bool has_cell(const drape_cloth *d, int64_t i, int64_t j)
     if (d->cut && d->cut[i + (d->m - 1) * j])
         return false;
     int64_t p = i + d->m * j;
-    return !absent(d, p) && !absent(d, p + 1) && !absent(d, p + d->m) &&
-           !absent(d, p + d->m + 1);
+    return !is_absent(d, p) && !is_absent(d, p + 1) &&
+           !is_absent(d, p + d->m) && !is_absent(d, p + d->m + 1);
 }
 
 /* §4: the shares of the springs along u, v and each diagonal in the stiffness
  * per width, N/m, or in the bending stiffness, N·m. */
-struct share {
+struct moduli {
     double u, v, diagonal;
 };
 
@@ -36,23 +36,23 @@ struct angle {
     double c2, s2;
 };
 
-static struct share membrane(const drape_material *a, struct angle t)
+static struct moduli membrane_moduli(const drape_material *a, struct angle t)
 {
-    struct share s;
+    struct moduli s;
     s.diagonal = a->shear / (2 * t.c2 * t.s2);
     s.u = a->stretch - a->shear * t.c2 / t.s2;
     s.v = a->stretch - a->shear * t.s2 / t.c2;
     return s;
 }
 
-static struct share bending(const drape_material *a, struct angle t)
+static struct moduli bending_moduli(const drape_material *a, struct angle t)
 {
     double least = 6 * t.c2 * t.s2;
     if (2 * t.c2 * t.c2 > least)
         least = 2 * t.c2 * t.c2;
     if (2 * t.s2 * t.s2 > least)
         least = 2 * t.s2 * t.s2;
-    struct share s;
+    struct moduli s;
     s.diagonal = a->bend / least;
     s.u = a->bend - 2 * s.diagonal * t.c2 * t.c2;
     s.v = a->bend - 2 * s.diagonal * t.s2 * t.s2;
@@ -70,32 +70,32 @@ static void set_law(struct cloth *c, int o, double length, double stretch,
     double area = (double)c->hu * (double)c->hv;
     bool two = o >= SPRINGS_SINGLE;
     double rest = two ? 2 * length : length;
-    double share = c->triples ? !two : 0.5;
-    double k = share * stretch * area / (rest * rest);
-    double press = two ? 4 * k : k; /* of the single springs along it */
+    double fraction = c->triples ? !two : 0.5;
+    double k = fraction * stretch * area / (rest * rest);
+    double compression = two ? 4 * k : k; /* of the single springs along it */
     double b = two && !c->triples ? bend * area / (rest * rest * rest) : 0;
     double slope = LAW_STEEPEST * b / rest;
-    *a = (struct law){.k = (real)k, .press = (real)press};
+    *a = (struct law){.k = (real)k, .compression = (real)compression};
     a->rest = (real)rest;
     a->bend = (real)b;
     a->damp = (real)((double)c->beta * k);
-    a->stiff = (real)(slope > press ? slope : press);
+    a->stiff = (real)(slope > compression ? slope : compression);
     law_set_knee(a, two && !c->triples);
     law_set_limit(a, two ? 0 : limit);
 }
 
 /* §7: sets the constants of the triples of direction o. length: of a single
- * spring, m; moment: of the direction; whole: of the material, for borders
+ * spring, m; moment: of the direction; bend: of the material, for borders
  * that no diagonal triple has its middle on. N·m both. */
 static void set_triples(struct cloth *c, int o, double length, double moment,
-                        double whole)
+                        double bend)
 {
     double area = (double)c->hu * (double)c->hv;
     double square = length * length, unit = area / (square * square);
     for (unsigned b = 0; b < CELL_MASKS; b++) {
         double cells = (b & 1) + (b >> 1 & 1) + (b >> 2 & 1) + (b >> 3);
         bool alone = !has_triple(2, b) && !has_triple(3, b);
-        double k = (alone ? whole : moment) * unit * (cells / 4);
+        double k = (alone ? bend : moment) * unit * (cells / 4);
         c->triple[CELL_MASKS * o + (int)b] = has_triple(o, b) ? (real)k : 0;
     }
 }
@@ -111,8 +111,8 @@ int ref_cloth_laws(const drape_cloth *d, struct cloth *c)
 
     double square = hu * hu + hv * hv, diagonal = sqrt(square);
     struct angle t = {hu * hu / square, hv * hv / square};
-    struct share s = membrane(&d->material, t);
-    struct share b = bending(&d->material, t);
+    struct moduli s = membrane_moduli(&d->material, t);
+    struct moduli b = bending_moduli(&d->material, t);
     c->misfit = (struct misfit){.kind = MISFIT_OBLONG};
     if (!(s.u > 0 && s.v > 0))
         return DRAPE_EARG;
@@ -124,11 +124,11 @@ int ref_cloth_laws(const drape_cloth *d, struct cloth *c)
         set_law(c, two + 2, diagonal, s.diagonal, b.diagonal, leaning);
         set_law(c, two + 3, diagonal, s.diagonal, b.diagonal, leaning);
     }
-    double whole = d->material.bend;
-    set_triples(c, 0, hu, b.u, whole);
-    set_triples(c, 1, hv, b.v, whole);
-    set_triples(c, 2, diagonal, b.diagonal, whole);
-    set_triples(c, 3, diagonal, b.diagonal, whole);
+    double bend = d->material.bend;
+    set_triples(c, 0, hu, b.u, bend);
+    set_triples(c, 1, hv, b.v, bend);
+    set_triples(c, 2, diagonal, b.diagonal, bend);
+    set_triples(c, 3, diagonal, b.diagonal, bend);
     return measured_laws(&d->material, c);
 }
 
@@ -177,7 +177,8 @@ static void fill_particle(const drape_cloth *d, struct cloth *c, int64_t p)
 }
 
 /* The constant of the triple of direction o with its middle at (i, j). */
-static double middle(const struct cloth *c, int o, int64_t i, int64_t j)
+static double triple_constant_at(const struct cloth *c, int o, int64_t i,
+                                 int64_t j)
 {
     if (!c->triples || i < 0 || j < 0 || i >= c->m || j >= c->n)
         return 0;
@@ -186,44 +187,45 @@ static double middle(const struct cloth *c, int o, int64_t i, int64_t j)
 
 /* The bound on the slope of the springs of direction o; limited: with what a
  * limit or a measured tension adds to it, which is not damped (§8, §9). */
-static double steepest(const struct cloth *c, int o, bool limited)
+static double steepest_slope(const struct cloth *c, int o, bool limited)
 {
     const struct law *a = &c->law[o];
-    return (double)(limited || o >= SPRINGS_SINGLE ? a->stiff : a->press);
+    return (double)(limited || o >= SPRINGS_SINGLE ? a->stiff : a->compression);
 }
 
 /* §6: half of p's row sum of the stiffness bounds, N/m, of all springs and
  * triples at p. */
-static double stiffness(const struct cloth *c, int64_t p, bool limited)
+static double stiffness_bound(const struct cloth *c, int64_t p, bool limited)
 {
     int64_t j = p / c->m, i = p % c->m;
     double k = 0;
     for (int o = 0; o < SPRINGS_SINGLE; o++) {
         int64_t di = spring_di[o], dj = spring_dj[o];
-        k += 4 * middle(c, o, i, j) +
-             2 * (middle(c, o, i + di, j + dj) + middle(c, o, i - di, j - dj));
+        k += 4 * triple_constant_at(c, o, i, j) +
+             2 * (triple_constant_at(c, o, i + di, j + dj) +
+                  triple_constant_at(c, o, i - di, j - dj));
     }
     for (int o = 0; o < SPRINGS; o++) {
         int64_t di = spring_di[o], dj = spring_dj[o];
         if (c->springs[p] >> o & 1)
-            k += steepest(c, o, limited);
+            k += steepest_slope(c, o, limited);
         if (i - di < 0 || i - di >= c->m || j < dj)
             continue;
         if (c->springs[p - di - dj * c->m] >> o & 1)
-            k += steepest(c, o, limited);
+            k += steepest_slope(c, o, limited);
     }
     return k;
 }
 
 /* §6: the bound of Gershgorin on the eigenvalues of M⁻¹K: the maximum over the
  * free particles of twice the stiffness by the mass. */
-static double gershgorin(const struct cloth *c, bool limited)
+static double gershgorin_bound(const struct cloth *c, bool limited)
 {
     double bound = 0;
     for (int64_t p = 0; p < c->count; p++) {
         if (c->fixed[p])
             continue;
-        double row = 2 * stiffness(c, p, limited) / (double)c->mass[p];
+        double row = 2 * stiffness_bound(c, p, limited) / (double)c->mass[p];
         bound = row > bound ? row : bound;
     }
     return bound;
@@ -237,8 +239,8 @@ void ref_cloth_weigh(struct cloth *c)
         int cells = (int)((b & 1) + (b >> 1 & 1) + (b >> 2 & 1) + (b >> 3));
         c->mass[p] = (real)cells * (R(0.25) * c->cell_mass);
     }
-    c->bound = gershgorin(c, true);
-    c->damped = gershgorin(c, false);
+    c->bound = gershgorin_bound(c, true);
+    c->damped = gershgorin_bound(c, false);
 }
 
 int ref_cloth_fill(const drape_cloth *d, struct cloth *c, int64_t base)
@@ -267,7 +269,7 @@ int ref_cloth_fill(const drape_cloth *d, struct cloth *c, int64_t base)
     return DRAPE_OK;
 }
 
-static vec rounded(const double a[3])
+static vec round_vector(const double a[3])
 {
     return vec_make((real)a[0], (real)a[1], (real)a[2]);
 }
@@ -279,8 +281,8 @@ int ref_cloth_start(const drape_cloth *d, vec *x, vec *v)
         double s = hu * (double)(p % d->m), t = hv * (double)(p / d->m), a[3];
         for (int k = 0; k < 3; k++)
             a[k] = d->x ? d->x[p][k] : d->origin[k] + s * d->u[k] + t * d->v[k];
-        x[p] = rounded(a);
-        v[p] = d->velocity ? rounded(d->velocity[p]) : vec_make(0, 0, 0);
+        x[p] = round_vector(a);
+        v[p] = d->velocity ? round_vector(d->velocity[p]) : vec_make(0, 0, 0);
         if (!vec_sane(x[p]) || !vec_sane(v[p]))
             return DRAPE_EDATA;
     }

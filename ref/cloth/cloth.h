@@ -19,10 +19,10 @@ enum { CLOTH_PINNED = 1, CLOTH_ABSENT = 2 };
  * buckle: their knee is 0. §8: if they have a limit, their slope grows near
  * it. §9: a measured tension has straight pieces. */
 struct law {
-    real k;     /* N/m, along the spring, in tension */
-    real press; /* N/m, in compression: c_b of a double spring */
-    real rest;  /* m, > 0 */
-    real knee;  /* m, shorter springs are buckled; 0 … rest */
+    real k;           /* N/m, along the spring, in tension */
+    real compression; /* N/m, in compression: c_b of a double spring */
+    real rest;        /* m, > 0 */
+    real knee;        /* m, shorter springs are buckled; 0 … rest */
     real bend;  /* N, k_b / rest² of a double spring; 0 for a single one */
     real damp;  /* N·s/m, along the spring */
     real stiff; /* N/m, bound on the slope of the tension, §6 */

@@ -6,7 +6,7 @@
 
 #include "ref/cloth/cloth.h"
 
-struct thin;
+struct packed;
 struct trace;
 
 struct dynamics {
@@ -45,8 +45,9 @@ struct dynamics {
     vec *kept;  /* scratch: [2·count] of Newton's method; NULL: one system is
                    solved, and nothing is computed after it */
     sym *block; /* scratch: [SPRINGS·count] of an implicit method, or NULL */
-    struct thin *thin; /* scratch: likewise, of one with multigrid, or NULL */
-    real *chunk;       /* scratch: [3·sum_chunks(count)] */
+    struct packed
+        *packed; /* scratch: likewise, of one with multigrid, or NULL */
+    real *chunk; /* scratch: [3·sum_chunks(count)] */
 
     struct trace *trace; /* NULL: none */
 

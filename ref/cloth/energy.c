@@ -8,7 +8,7 @@
 
 /* §1: the elastic energy of the forward springs of p. So each spring counts
  * once. */
-static real stretched(const struct energy *s, int64_t p)
+static real stretch_energy(const struct energy *s, int64_t p)
 {
     int springs = s->triples ? SPRINGS_SINGLE : SPRINGS;
     real e = 0;
@@ -18,13 +18,13 @@ static real stretched(const struct energy *s, int64_t p)
         int64_t q = p + spring_step(s->m, o);
         real length = vec_length(vec_sub(s->x[q], s->x[p]));
         real one = law_energy(&s->law[o], s->piece, length);
-        e += s->triples ? spring_share(o, s->beside[p]) * one : one;
+        e += s->triples ? spring_fraction(o, s->beside[p]) * one : one;
     }
     return e;
 }
 
 /* §1: the energy of the triples that have their middle at p. */
-static real bent(const struct energy *s, int64_t p)
+static real bend_energy(const struct energy *s, int64_t p)
 {
     real e = 0;
     for (int o = 0; o < SPRINGS_SINGLE; o++) {
@@ -38,10 +38,10 @@ static real bent(const struct energy *s, int64_t p)
     return e;
 }
 
-static real elastic(const struct energy *s, int64_t p)
+static real elastic_energy(const struct energy *s, int64_t p)
 {
-    real e = stretched(s, p);
-    return s->triples ? e + bent(s, p) : e;
+    real e = stretch_energy(s, p);
+    return s->triples ? e + bend_energy(s, p) : e;
 }
 
 static void sum_chunk(const struct energy *s, int64_t k)
@@ -51,7 +51,7 @@ static void sum_chunk(const struct energy *s, int64_t k)
     for (int64_t p = start; p < end && p < s->count; p++) {
         real m = s->mass[p];
         sums[0][p - start] = R(0.5) * m * vec_dot(s->v[p], s->v[p]);
-        sums[1][p - start] = elastic(s, p);
+        sums[1][p - start] = elastic_energy(s, p);
         sums[2][p - start] = -m * vec_dot(s->gravity, s->x[p]);
     }
     for (int e = 0; e < 3; e++)

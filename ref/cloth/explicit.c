@@ -18,8 +18,9 @@ struct span {
 };
 
 /* to = from + a·rate, from + b·force / mass; pins at `at` of the step. */
-static void advance(struct dynamics *s, struct state from, const vec *rate,
-                    struct state to, const real ab[2], double at)
+static void advance_state(struct dynamics *s, struct state from,
+                          const vec *rate, struct state to, const real ab[2],
+                          double at)
 {
     const struct cloth *c = s->cloth;
     struct advance a = {.count = c->count,
@@ -42,34 +43,34 @@ static void advance(struct dynamics *s, struct state from, const vec *rate,
     force_trace(s, "advance", a.v1);
 }
 
-static void euler(struct dynamics *s, struct state *now, struct span t)
+static void step_euler(struct dynamics *s, struct state *now, struct span t)
 {
-    const real whole[2] = {t.h, t.h};
+    const real full[2] = {t.h, t.h};
     force_make(s, now->x, now->v, now->v);
-    advance(s, *now, NULL, *now, whole, t.start + t.length);
+    advance_state(s, *now, NULL, *now, full, t.start + t.length);
 }
 
-static void midpoint(struct dynamics *s, struct state *now, struct state *next,
-                     struct state mid, struct span t)
+static void step_midpoint(struct dynamics *s, struct state *now,
+                          struct state *next, struct state mid, struct span t)
 {
-    const real half[2] = {t.h / 2, t.h / 2}, whole[2] = {t.h, t.h};
+    const real half[2] = {t.h / 2, t.h / 2}, full[2] = {t.h, t.h};
     force_make(s, now->x, now->v, now->v);
-    advance(s, *now, now->v, mid, half, t.start + t.length / 2);
+    advance_state(s, *now, now->v, mid, half, t.start + t.length / 2);
     force_make(s, mid.x, mid.v, mid.v);
-    advance(s, *now, mid.v, *next, whole, t.start + t.length);
+    advance_state(s, *now, mid.v, *next, full, t.start + t.length);
 }
 
 /* The second force is at the velocity that the first one predicts. */
-static void verlet(struct dynamics *s, struct state *now, struct state *next,
-                   struct state ahead, struct span t)
+static void step_verlet(struct dynamics *s, struct state *now,
+                        struct state *next, struct state ahead, struct span t)
 {
     const real kick_drift[2] = {t.h, t.h / 2}, kick[2] = {0, t.h / 2};
     double end = t.start + t.length;
     force_make(s, now->x, now->v, now->v);
-    advance(s, *now, NULL, *next, kick_drift, end);
-    advance(s, *next, next->v, ahead, kick, end);
+    advance_state(s, *now, NULL, *next, kick_drift, end);
+    advance_state(s, *next, next->v, ahead, kick, end);
     force_make(s, ahead.x, ahead.v, ahead.v);
-    advance(s, *next, next->v, *next, kick, end);
+    advance_state(s, *next, next->v, *next, kick, end);
 }
 
 static void runge_kutta(struct dynamics *s, struct state *now,
@@ -82,26 +83,27 @@ static void runge_kutta(struct dynamics *s, struct state *now,
         const real add[2] = {(real)weight[k] * t.h, (real)weight[k] * t.h};
         const real go[2] = {(real)node[k] * t.h, (real)node[k] * t.h};
         force_make(s, at.x, at.v, at.v);
-        advance(s, sum, at.v, *next, add, t.start + t.length);
+        advance_state(s, sum, at.v, *next, add, t.start + t.length);
         sum = *next;
         if (k < 3)
-            advance(s, *now, at.v, stage, go, t.start + node[k] * t.length);
+            advance_state(s, *now, at.v, stage, go,
+                          t.start + node[k] * t.length);
         at = stage;
     }
 }
 
-static void substep(struct dynamics *s, struct state *now, struct state *next,
-                    struct span t)
+static void make_substep(struct dynamics *s, struct state *now,
+                         struct state *next, struct span t)
 {
     struct state more = {force_stream(s, 3), force_stream(s, 4)};
     if (s->method == DRAPE_EULER) {
-        euler(s, now, t);
+        step_euler(s, now, t);
         return;
     }
     if (s->method == DRAPE_MIDPOINT)
-        midpoint(s, now, next, more, t);
+        step_midpoint(s, now, next, more, t);
     else if (s->method == DRAPE_VERLET)
-        verlet(s, now, next, more, t);
+        step_verlet(s, now, next, more, t);
     else
         runge_kutta(s, now, next, more, t);
     struct state old = *now;
@@ -124,7 +126,7 @@ int explicit_steps(struct dynamics *s)
         /* The last ends at exactly 1: the pins are then where they should. */
         if (k + 1 == s->substeps)
             t.length = 1 - t.start;
-        substep(s, &now, &next, t);
+        make_substep(s, &now, &next, t);
     }
     force_copy(s, now.x, now.v);
     return DRAPE_OK;

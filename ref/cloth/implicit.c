@@ -4,7 +4,7 @@
 #include "ref/cloth/implicit.h"
 
 /* (x - xp) / 3: the share of the step before in the second-order method. */
-static vec drift(vec x, vec xp)
+static vec past_drift(vec x, vec xp)
 {
     return vec_scale(R(1.0 / 3), vec_sub(x, xp));
 }
@@ -15,8 +15,8 @@ int ref_predict(struct predict *s)
     for (int64_t p = 0; p < s->count; p++) {
         vec star = s->v[p], move = vec_make(0, 0, 0);
         if (s->n_past) {
-            move = drift(s->x[p], s->xp[p]);
-            star = vec_add(star, drift(star, s->vp[p]));
+            move = past_drift(s->x[p], s->xp[p]);
+            star = vec_add(star, past_drift(star, s->vp[p]));
         }
         if (s->fixed[p] == CLOTH_PINNED) {
             vec d = vec_sub(vec_sub(s->to[p], s->x[p]), move);
@@ -33,7 +33,7 @@ int ref_predict(struct predict *s)
 
 /* §2: Σ block·(q_p − q_other) over the springs of p, for each direction the
  * forward, then the backward spring. */
-static vec pulls(const struct rhs *s, int64_t p, int32_t i, int32_t j)
+static vec sum_pulls(const struct rhs *s, int64_t p, int32_t i, int32_t j)
 {
     vec f = vec_make(0, 0, 0), here = s->q[p];
     for (int o = 0; o < SPRINGS; o++) {
@@ -58,7 +58,7 @@ int ref_rhs(struct rhs *s)
         int32_t j = cloth_row(p, s->m), i = (int32_t)(p - (int64_t)j * s->m);
         vec b = vec_make(0, 0, 0);
         if (!s->fixed[p])
-            b = vec_sub(vec_scale(s->tau, s->force[p]), pulls(s, p, i, j));
+            b = vec_sub(vec_scale(s->tau, s->force[p]), sum_pulls(s, p, i, j));
         s->b[p] = b;
     }
     return DRAPE_OK;
@@ -72,7 +72,7 @@ int ref_update(struct update *s)
         if (s->fixed[p] == 0) {
             v = vec_axpy(s->star[p], s->part, s->dv[p]);
             if (s->n_past)
-                x = vec_add(x, drift(x, s->xp[p]));
+                x = vec_add(x, past_drift(x, s->xp[p]));
             x = vec_axpy(x, s->tau, v);
         } else if (s->fixed[p] == CLOTH_PINNED) {
             v = vec_scale(1 / s->dt, vec_sub(s->to[p], x));
@@ -98,7 +98,7 @@ int ref_imbalance(struct imbalance *s)
     return DRAPE_OK;
 }
 
-static bool same(vec a, vec b)
+static bool is_same(vec a, vec b)
 {
     return a.x == b.x && a.y == b.y && a.z == b.z;
 }
@@ -110,7 +110,7 @@ int ref_history(struct history *s)
         vec x = s->x[p], v = s->v[p], xp = s->x0[p], vp = s->v0[p];
         if (s->n_jump)
             vp = vec_axpy(vp, s->part, s->jump[p]);
-        if (!same(x, s->x1[p]) || !same(v, s->v1[p])) {
+        if (!is_same(x, s->x1[p]) || !is_same(v, s->v1[p])) {
             vp = vec_add(vp, vec_sub(v, s->v1[p]));
             xp = vec_axpy(x, R(-0.5) * s->dt, vec_add(v, vp));
         }

@@ -63,9 +63,9 @@ static inline real law_g(real q)
 }
 
 /* §5: the knee of a double spring divided by its rest length: the largest root
- * of stiff·(q − 1) + g(q), stiff = press·rest / bend; 0 if there is no root.
- * The function is convex, so Newton's method from q = 1 descends to that root
- * and never passes it. */
+ * of stiff·(q − 1) + g(q), stiff = compression·rest / bend; 0 if there is no
+ * root. The function is convex, so Newton's method from q = 1 descends to that
+ * root and never passes it. */
 static inline real law_knee(real stiff)
 {
     real q = 1;
@@ -88,10 +88,11 @@ static inline void law_set_knee(struct law *a, bool two)
         return;
     real part = 1;
     if (a->bend > 0)
-        part = law_knee(a->press * a->rest / a->bend);
+        part = law_knee(a->compression * a->rest / a->bend);
     a->knee = a->rest * part;
     real d = a->knee - a->rest, t = law_s(part) - R(LAW_MIDDLE);
-    a->well = R(0.5) * a->press * d * d + a->bend * a->rest * (2 * law_ip(t));
+    a->well =
+        R(0.5) * a->compression * d * d + a->bend * a->rest * (2 * law_ip(t));
 }
 
 /* §8: a single spring stiffens from LIMIT_FROM of its limit on. Its slope grows
@@ -182,7 +183,7 @@ static inline real law_long_energy(const struct law *a, const struct piece *t,
 /* The spring constant, N/m, of a spring that is not buckled. */
 static inline real law_constant(const struct law *a, real length)
 {
-    return length >= a->rest ? a->k : a->press;
+    return length >= a->rest ? a->k : a->compression;
 }
 
 /* Tension, N, of a spring of the given length. t: the cloth's pieces, of which
@@ -210,7 +211,9 @@ static inline real law_slope(const struct law *a, const struct piece *t,
     return a->bend * slope / a->rest;
 }
 
-/* Elastic energy, J, 0 at the rest length. */
+/* Elastic energy, J, 0 at the rest length. Below the knee the spring is buckled
+ * and has the energy of the bent arc of spec/cloth/cloth.md §5, whose constant
+ * `well` makes the energy continuous at the knee. */
 static inline real law_energy(const struct law *a, const struct piece *t,
                               real length)
 {

@@ -55,8 +55,8 @@ static double stretch_of(const struct test *t, int way, double l, double m)
 }
 
 /* §9.1: the force across the test divided by m, which has its sign, N/m. */
-static double across(const struct laws *s, const struct test *t, double l,
-                     double m)
+static double force_across(const struct laws *s, const struct test *t, double l,
+                           double m)
 {
     double sum = 0;
     for (int w = 0; w < WAYS; w++) {
@@ -69,12 +69,13 @@ static double across(const struct laws *s, const struct test *t, double l,
 
 /* The stretch across where the sheet is stretched by l along: the force across
  * is 0 there. It grows with m (§9.4). */
-static double narrowed(const struct laws *s, const struct test *t, double l)
+static double stretch_across(const struct laws *s, const struct test *t,
+                             double l)
 {
     double lo = 0, hi = 1;
     for (int k = 0; k < HALVINGS; k++) {
         double m = 0.5 * (lo + hi);
-        if (across(s, t, l, m) > 0)
+        if (force_across(s, t, l, m) > 0)
             hi = m;
         else
             lo = m;
@@ -110,7 +111,7 @@ struct point {
 static struct point test_at(const struct laws *s, const struct test *t,
                             double strain)
 {
-    double l = 1 + strain, m = narrowed(s, t, l);
+    double l = 1 + strain, m = stretch_across(s, t, l);
     double own = stretch_of(t, t->own, l, m);
     struct point p = {own - 1, 0, t->along[t->own] * l / own};
     for (int w = 0; w < WAYS; w++) {
@@ -124,8 +125,8 @@ static struct point test_at(const struct laws *s, const struct test *t,
 /* §9.3: sets the law of one table by the others' as they are. Returns whether
  * no knot moved by more than SETTLED of the table's point; one that is NaN
  * did. */
-static bool sweep(struct laws *s, const struct test *t,
-                  const double table[DRAPE_POINTS][2])
+static bool sweep_laws(struct laws *s, const struct test *t,
+                       const double table[DRAPE_POINTS][2])
 {
     struct curve next = s->of[t->own];
     bool settled = true;
@@ -142,14 +143,14 @@ static bool sweep(struct laws *s, const struct test *t,
 }
 
 /* §9.3: false if the laws do not settle. */
-static bool settle(const drape_material *a, const struct test *test,
-                   struct laws *s)
+static bool settle_laws(const drape_material *a, const struct test *test,
+                        struct laws *s)
 {
     bool settled = false;
     for (int k = 0; k < SWEEPS && !settled; k++) {
         settled = true;
         for (int o = 0; o < DRAPE_TABLES; o++)
-            settled &= sweep(s, &test[o], a->table[o]);
+            settled &= sweep_laws(s, &test[o], a->table[o]);
     }
     return settled;
 }
@@ -190,16 +191,16 @@ static void start_laws(const drape_material *a, const struct cloth *c,
 static void write_law(const struct curve *a, double area, struct law *law,
                       struct piece *piece)
 {
-    double rest = (double)law->rest, share = area / rest;
+    double rest = (double)law->rest, per_length = area / rest;
     double e = 0, f = 0, work = 0, stiff = (double)law->k;
     for (int k = 0; k < a->knots; k++) {
         double step = (a->strain[k] - e) * rest;
-        double rise = (a->force[k] - f) * share;
+        double rise = (a->force[k] - f) * per_length;
         piece[k] = (struct piece){.from = (real)(rest * (1 + e)),
                                   .slope = (real)(rise / step),
-                                  .pull = (real)(f * share),
+                                  .pull = (real)(f * per_length),
                                   .work = (real)work};
-        work += step * (f * share + 0.5 * rise);
+        work += step * (f * per_length + 0.5 * rise);
         stiff = rise / step > stiff ? rise / step : stiff;
         e = a->strain[k];
         f = a->force[k];
@@ -254,7 +255,7 @@ int measured_laws(const drape_material *a, struct cloth *c)
     make_tests(c, test);
     start_laws(a, c, &s);
     c->misfit = (struct misfit){.kind = MISFIT_UNSETTLED};
-    if (!settle(a, test, &s) || !all_fit(a, &s, test, &c->misfit))
+    if (!settle_laws(a, test, &s) || !all_fit(a, &s, test, &c->misfit))
         return DRAPE_EARG;
     c->misfit = (struct misfit){.kind = MISFIT_NONE};
     c->pieces = PIECES;

@@ -43,19 +43,20 @@ STAGE(update)
 STAGE(imbalance)
 STAGE(dot)
 
-static int solve(void *on)
+static int solve_system(void *on)
 {
     struct dynamics *s = on;
     return s->solve(s);
 }
 
-static void copy(void *on, vec *to, const vec *from, size_t bytes)
+static void copy_stream(void *on, vec *to, const vec *from, size_t bytes)
 {
     (void)on;
     memcpy(to, from, bytes);
 }
 
-static void trace(void *on, const char *stage, const void *out, size_t bytes)
+static void trace_output(void *on, const char *stage, const void *out,
+                         size_t bytes)
 {
     trace_stage(((struct dynamics *)on)->trace, stage, out, bytes);
 }
@@ -68,9 +69,9 @@ static const struct newton_stages stages = {.wind = wind,
                                             .update = update,
                                             .imbalance = imbalance,
                                             .dot = dot,
-                                            .solve = solve,
-                                            .copy = copy,
-                                            .trace = trace};
+                                            .solve = solve_system,
+                                            .copy = copy_stream,
+                                            .trace = trace_output};
 
 void motion_energy(const struct dynamics *s, const vec *x, const vec *v,
                    double value[3])
@@ -98,7 +99,7 @@ void motion_energy(const struct dynamics *s, const vec *x, const vec *v,
         value[k] = (double)e.value[k];
 }
 
-static bool sane(const struct dynamics *s)
+static bool is_motion_sane(const struct dynamics *s)
 {
     for (int64_t p = 0; p < s->cloth->count; p++)
         if (!vec_sane(s->x1[p]) || !vec_sane(s->v1[p]))
@@ -107,7 +108,7 @@ static bool sane(const struct dynamics *s)
 }
 
 /* The longest way of a pin, m. */
-static double reach(const struct dynamics *s)
+static double longest_pin_way(const struct dynamics *s)
 {
     const struct cloth *c = s->cloth;
     double most = 0;
@@ -119,7 +120,7 @@ static double reach(const struct dynamics *s)
     return most;
 }
 
-static void begin(struct dynamics *s)
+static void begin_motion(struct dynamics *s)
 {
     s->outcome = 0;
     s->iterations = 0;
@@ -128,29 +129,30 @@ static void begin(struct dynamics *s)
 }
 
 /* dynamics.md §3: checks the motion, and undoes it if it went wrong. */
-static int finish(struct dynamics *s, int status)
+static int finish_motion(struct dynamics *s, int status)
 {
     if (status != DRAPE_OK)
         return status;
     motion_energy(s, s->x, s->v, s->before);
     motion_energy(s, s->x1, s->v1, s->energy);
-    if (!bounded_keeps(s, sane(s), reach(s)))
+    if (!bounded_keeps(s, is_motion_sane(s), longest_pin_way(s)))
         force_copy(s, s->x, s->v);
     return DRAPE_OK;
 }
 
 int ref_motion(struct dynamics *s)
 {
-    begin(s);
-    return finish(s, dynamics_implicit(s->method) ? newton_move(s, &stages, s)
-                                                  : explicit_steps(s));
+    begin_motion(s);
+    return finish_motion(s, dynamics_implicit(s->method)
+                                ? newton_move(s, &stages, s)
+                                : explicit_steps(s));
 }
 
 int ref_motion_part(struct dynamics *s, enum motion_part part)
 {
     switch (part) {
     case MOTION_OPEN:
-        begin(s);
+        begin_motion(s);
         return newton_open(s, &stages, s);
     case MOTION_PLACE:
         return newton_place(s, &stages, s);
@@ -159,7 +161,7 @@ int ref_motion_part(struct dynamics *s, enum motion_part part)
     case MOTION_LINEARISE:
         return newton_linearise(s, &stages, s);
     case MOTION_END:
-        return finish(s, DRAPE_OK);
+        return finish_motion(s, DRAPE_OK);
     }
     return DRAPE_EARG;
 }

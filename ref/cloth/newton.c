@@ -8,7 +8,7 @@
 enum { CUTS = 4 }; /* of a step that overshoots, at most */
 static const real OVERSHOT = R(0.5), LEAST_CUT = R(0.125), MOST_CUT = R(0.5);
 static const real LATER = R(0.1);    /* tolerance of solves after the first */
-static const real LONGEST = R(0.05); /* s, in shorter steps springs turn */
+static const real LONGEST = R(0.05); /* s, in shorter steps springs rotate */
 
 /* The motion under way. */
 struct motion {
@@ -21,7 +21,7 @@ struct motion {
     int status;      /* the first that was not DRAPE_OK */
 };
 
-static void note(struct motion *a, int status)
+static void note_status(struct motion *a, int status)
 {
     a->status = a->status == DRAPE_OK ? status : a->status;
 }
@@ -31,7 +31,7 @@ static size_t bytes_of(const struct motion *a)
     return (size_t)a->s->cloth->count * sizeof(vec);
 }
 
-static void predict(struct motion *a)
+static void predict_motion(struct motion *a)
 {
     struct dynamics *s = a->s;
     struct predict p = {.count = s->cloth->count,
@@ -46,23 +46,24 @@ static void predict(struct motion *a)
                         .star = s->star,
                         .back = a->past ? s->back : NULL,
                         .q = a->past ? s->q : s->star};
-    note(a, a->run->predict(a->on, &p));
+    note_status(a, a->run->predict(a->on, &p));
     a->run->trace(a->on, "predict", p.star, bytes_of(a));
 }
 
-/* Wind acts as on the predicted motion, whatever the iteration; the change of
- * the motion resists it by its inertia. */
-static void wind(struct motion *a)
+/* Adds the force of the wind on the predicted motion, the same in each
+ * iteration of Newton's method. The air's resistance to a change of the motion
+ * is part of the matrix, as an inertia. */
+static void add_wind(struct motion *a)
 {
     struct wind w;
     if (!a->s->windy)
         return;
     force_wind(a->s, a->s->x, a->s->star, a->tau, &w);
-    note(a, a->run->wind(a->on, &w));
+    note_status(a, a->run->wind(a->on, &w));
     a->run->trace(a->on, "wind", w.force, bytes_of(a));
 }
 
-static void springs(struct motion *a, const vec *x, const vec *damping)
+static void add_springs(struct motion *a, const vec *x, const vec *damping)
 {
     struct springs f;
     force_springs(a->s, x, damping, &f);
@@ -72,24 +73,24 @@ static void springs(struct motion *a, const vec *x, const vec *damping)
         f.u = a->s->u;
         f.span = (real)a->s->dt;
     }
-    note(a, a->run->springs(a->on, &f));
+    note_status(a, a->run->springs(a->on, &f));
     a->run->trace(a->on, "springs", f.force, bytes_of(a));
 }
 
 /* The motion that the step predicts: q of implicit.md §1. */
-static const vec *predicted(const struct motion *a)
+static const vec *predicted_motion(const struct motion *a)
 {
     return a->past ? a->s->q : a->s->star;
 }
 
 /* Whether the matrix has the directions of half way (blocks.md §8). */
-static bool turns(const struct motion *a)
+static bool has_midway_directions(const struct motion *a)
 {
     return !a->s->kept && a->s->at == a->s->x && a->tau < LONGEST;
 }
 
 /* The matrix at s->at. */
-static void blocks(struct motion *a)
+static void make_blocks(struct motion *a)
 {
     struct dynamics *s = a->s;
     const struct cloth *c = s->cloth;
@@ -105,18 +106,18 @@ static void blocks(struct motion *a)
                        .n_beside = c->triples ? c->count : 0,
                        .beside = c->beside,
                        .x = s->at,
-                       .n_q = turns(a) ? c->count : 0,
-                       .q = predicted(a),
+                       .n_q = has_midway_directions(a) ? c->count : 0,
+                       .q = predicted_motion(a),
                        .tau = a->tau,
                        .block = s->block,
-                       .n_thin = s->thin ? SPRINGS * c->count : 0,
-                       .thin = s->thin};
-    note(a, a->run->blocks(a->on, &b));
+                       .n_packed = s->packed ? SPRINGS * c->count : 0,
+                       .packed = s->packed};
+    note_status(a, a->run->blocks(a->on, &b));
     a->run->trace(a->on, "blocks", b.block,
                   (size_t)(SPRINGS * c->count) * sizeof *b.block);
 }
 
-static void rhs(struct motion *a)
+static void make_rhs(struct motion *a)
 {
     struct dynamics *s = a->s;
     const struct cloth *c = s->cloth;
@@ -128,22 +129,22 @@ static void rhs(struct motion *a)
                     .n_blocks = SPRINGS * c->count,
                     .block = s->block,
                     .force = s->force,
-                    .q = predicted(a),
+                    .q = predicted_motion(a),
                     .tau = a->tau,
                     .b = s->b};
-    note(a, a->run->rhs(a->on, &r));
+    note_status(a, a->run->rhs(a->on, &r));
     a->run->trace(a->on, "rhs", r.b, bytes_of(a));
 }
 
-static void solve(struct motion *a, real tolerance)
+static void solve_system(struct motion *a, real tolerance)
 {
     a->s->asked = tolerance;
     a->s->solves++;
-    note(a, a->run->solve(a->on));
+    note_status(a, a->run->solve(a->on));
     a->run->trace(a->on, "pcg", a->s->dv, bytes_of(a));
 }
 
-static void update(struct motion *a, real part)
+static void update_motion(struct motion *a, real part)
 {
     struct dynamics *s = a->s;
     struct update u = {.count = s->cloth->count,
@@ -159,12 +160,12 @@ static void update(struct motion *a, real part)
                        .dt = (real)s->dt,
                        .x1 = s->x1,
                        .v1 = s->v1};
-    note(a, a->run->update(a->on, &u));
+    note_status(a, a->run->update(a->on, &u));
     a->run->trace(a->on, "update", u.v1, bytes_of(a));
 }
 
 /* b: what the motion x1, v1 leaves undone. */
-static void imbalance(struct motion *a)
+static void find_imbalance(struct motion *a)
 {
     struct dynamics *s = a->s;
     struct imbalance r = {.count = s->cloth->count,
@@ -175,12 +176,12 @@ static void imbalance(struct motion *a)
                           .star = s->star,
                           .tau = a->tau,
                           .b = s->b};
-    springs(a, s->x1, s->v1);
-    note(a, a->run->imbalance(a->on, &r));
+    add_springs(a, s->x1, s->v1);
+    note_status(a, a->run->imbalance(a->on, &r));
     a->run->trace(a->on, "imbalance", r.b, bytes_of(a));
 }
 
-static real dot(struct motion *a, const vec *left, const vec *right)
+static real dot_streams(struct motion *a, const vec *left, const vec *right)
 {
     int64_t n = a->s->cloth->count;
     struct dot d = {.n = n,
@@ -188,21 +189,21 @@ static real dot(struct motion *a, const vec *left, const vec *right)
                     .b = right,
                     .n_chunks = sum_chunks(n),
                     .chunk = a->s->chunk};
-    note(a, a->run->dot(a->on, &d));
+    note_status(a, a->run->dot(a->on, &d));
     return d.value;
 }
 
 /* §6.2: takes dv, or a part of it, which is returned. `work` is b·dv of the
  * system that gave dv. A value that is no number fails the test, and cuts the
  * most. */
-static real search(struct motion *a, real work)
+static real search_part(struct motion *a, real work)
 {
     struct dynamics *s = a->s;
     real part = 1;
     for (int k = 0; k <= CUTS && a->status == DRAPE_OK; k++) {
-        update(a, part);
-        imbalance(a);
-        real left = dot(a, s->b, s->dv);
+        update_motion(a, part);
+        find_imbalance(a);
+        real left = dot_streams(a, s->b, s->dv);
         if (left >= -OVERSHOT * work || k == CUTS)
             break;
         real cut = work / (work - left);
@@ -213,25 +214,25 @@ static real search(struct motion *a, real work)
 
 /* §6: Newton's method, from the first solve on. The last imbalance replaces the
  * velocities of the linearisation, which nothing reads any more. */
-static void iterate(struct motion *a, real tolerance)
+static void iterate_newton(struct motion *a, real tolerance)
 {
     struct dynamics *s = a->s;
     vec *x = s->kept, *v = s->kept + s->cloth->count;
-    real first = real_sqrt(dot(a, s->b, s->b)), last = first, most = 0;
-    solve(a, tolerance);
+    real first = real_sqrt(dot_streams(a, s->b, s->b)), last = first, most = 0;
+    solve_system(a, tolerance);
     while (a->status == DRAPE_OK) {
-        real work = dot(a, s->b, s->dv);
+        real work = dot_streams(a, s->b, s->dv);
         most = s->solves == 1 ? work : most;
-        bool small = search(a, work) == 1 && work <= tolerance * most;
-        last = real_sqrt(dot(a, s->b, s->b));
+        bool small = search_part(a, work) == 1 && work <= tolerance * most;
+        last = real_sqrt(dot_streams(a, s->b, s->b));
         if (s->solves >= s->newton || !(last > tolerance * first) || small)
             break;
         a->run->copy(a->on, x, s->x1, bytes_of(a));
         a->run->copy(a->on, v, s->v1, bytes_of(a));
         s->at = x;
         a->from = v;
-        blocks(a);
-        solve(a, real_max(tolerance, LATER));
+        make_blocks(a);
+        solve_system(a, real_max(tolerance, LATER));
     }
     s->residual = first > 0 ? (double)(last / first) : 0;
 }
@@ -255,18 +256,18 @@ int newton_open(struct dynamics *s, const struct newton_stages *run, void *on)
     s->substeps = 1;
     s->solves = 0;
     s->at = s->x;
-    predict(&a);
-    wind(&a);
-    springs(&a, s->x, a.past ? s->back : NULL);
-    blocks(&a);
-    rhs(&a);
+    predict_motion(&a);
+    add_wind(&a);
+    add_springs(&a, s->x, a.past ? s->back : NULL);
+    make_blocks(&a);
+    make_rhs(&a);
     return a.status;
 }
 
 int newton_place(struct dynamics *s, const struct newton_stages *run, void *on)
 {
     struct motion a = motion_of(s, run, on);
-    update(&a, 0);
+    update_motion(&a, 0);
     return a.status;
 }
 
@@ -274,7 +275,7 @@ int newton_balance(struct dynamics *s, const struct newton_stages *run,
                    void *on)
 {
     struct motion a = motion_of(s, run, on);
-    imbalance(&a);
+    find_imbalance(&a);
     return a.status;
 }
 
@@ -283,7 +284,7 @@ int newton_linearise(struct dynamics *s, const struct newton_stages *run,
 {
     struct motion a = motion_of(s, run, on);
     s->at = s->x1;
-    blocks(&a);
+    make_blocks(&a);
     return a.status;
 }
 
@@ -292,11 +293,11 @@ int newton_move(struct dynamics *s, const struct newton_stages *run, void *on)
     struct motion a = motion_of(s, run, on);
     a.status = newton_open(s, run, on);
     if (s->kept) {
-        iterate(&a, s->tolerance);
+        iterate_newton(&a, s->tolerance);
         return a.status;
     }
-    solve(&a, s->tolerance);
+    solve_system(&a, s->tolerance);
     if (a.status == DRAPE_OK)
-        update(&a, 1);
+        update_motion(&a, 1);
     return a.status;
 }

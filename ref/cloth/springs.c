@@ -16,8 +16,8 @@ static vec way_of(const struct springs *s, int64_t p, int64_t q)
 
 /* §1: the pull on p of a spring of direction o to q, of which `first` is the
  * first particle. §4: the pull on q is its exact negative. */
-static vec pull(const struct springs *s, int o, int64_t p, int64_t q,
-                int64_t first)
+static vec pull_of_spring(const struct springs *s, int o, int64_t p, int64_t q,
+                          int64_t first)
 {
     const struct law *a = &s->law[o];
     vec d = way_of(s, p, q);
@@ -29,7 +29,7 @@ static vec pull(const struct springs *s, int o, int64_t p, int64_t q,
     if (s->n_v)
         f += a->damp * vec_dot(vec_sub(s->v[q], s->v[p]), u);
     if (s->triples)
-        f *= spring_share(o, s->beside[first]);
+        f *= spring_fraction(o, s->beside[first]);
     return vec_scale(f, u);
 }
 
@@ -50,21 +50,21 @@ static int64_t other_end(const struct springs *s, int64_t p, int32_t i,
 }
 
 /* §2: the sum of the pulls of springs on particle p = (i, j). */
-static vec pulls(const struct springs *s, int64_t p, int32_t i, int32_t j)
+static vec sum_pulls(const struct springs *s, int64_t p, int32_t i, int32_t j)
 {
     int ends = 2 * (s->triples ? SPRINGS_SINGLE : SPRINGS);
     vec f = vec_make(0, 0, 0);
     for (int k = 0; k < ends; k++) {
         int64_t q = other_end(s, p, i, j, k);
         if (q >= 0)
-            f = vec_add(f, pull(s, k / 2, p, q, k % 2 ? q : p));
+            f = vec_add(f, pull_of_spring(s, k / 2, p, q, k % 2 ? q : p));
     }
     return f;
 }
 
 /* §5: the force that the triple of direction o with its middle at (i, j) exerts
  * on its ends, with opposite sign; 0 if there is none. */
-static vec moment(const struct springs *s, int o, int32_t i, int32_t j)
+static vec bending_moment(const struct springs *s, int o, int32_t i, int32_t j)
 {
     if (i < 0 || j < 0 || i >= s->m || j >= s->n)
         return vec_make(0, 0, 0);
@@ -80,12 +80,13 @@ static vec moment(const struct springs *s, int o, int32_t i, int32_t j)
 }
 
 /* §5: the force of the triples of direction o on particle (i, j). */
-static vec unbend(const struct springs *s, int o, int32_t i, int32_t j)
+static vec unbend_triples(const struct springs *s, int o, int32_t i, int32_t j)
 {
     int32_t di = spring_di[o], dj = spring_dj[o];
-    vec after = moment(s, o, i + di, j + dj);
-    vec before = moment(s, o, i - di, j - dj);
-    return vec_sub(vec_scale(2, moment(s, o, i, j)), vec_add(after, before));
+    vec after = bending_moment(s, o, i + di, j + dj);
+    vec before = bending_moment(s, o, i - di, j - dj);
+    return vec_sub(vec_scale(2, bending_moment(s, o, i, j)),
+                   vec_add(after, before));
 }
 
 int ref_springs(struct springs *s)
@@ -93,9 +94,9 @@ int ref_springs(struct springs *s)
     EACH_ITEM
     for (int64_t p = 0; p < s->count; p++) {
         int32_t j = cloth_row(p, s->m), i = (int32_t)(p - (int64_t)j * s->m);
-        vec f = pulls(s, p, i, j);
+        vec f = sum_pulls(s, p, i, j);
         for (int o = 0; o < SPRINGS_SINGLE && s->triples; o++)
-            f = vec_add(f, unbend(s, o, i, j));
+            f = vec_add(f, unbend_triples(s, o, i, j));
         if (s->n_wind)
             f = vec_add(f, s->wind[p]);
         s->force[p] = vec_axpy(f, s->mass[p], s->gravity);

@@ -17,7 +17,7 @@ static inline bool has_triple(int o, unsigned cells)
 
 /* §7: the share of a single spring's constant that belongs to the cells beside
  * it: all of it, or half of it on a border. cells: about its first particle. */
-static inline real spring_share(int o, unsigned cells)
+static inline real spring_fraction(int o, unsigned cells)
 {
     unsigned both = o == 0 ? 1 + 4 : 1 + 2;
     return o > 1 || (cells & both) == both ? 1 : R(0.5);

@@ -3,16 +3,17 @@
  * spec/cloth/wind.md */
 #include "ref/cloth/wind.h"
 
-/* The share of a corner in what a triangle has. */
-struct share {
+/* The load of a triangle on one of its corners: a third of the triangle's. */
+struct corner_load {
     vec force; /* N */
     real rate; /* kg/s */
 };
 
 /* §1, §3: a third of the force on triangle abc and of its resistance. */
-static struct share third(const struct wind *s, int64_t a, int64_t b, int64_t c)
+static struct corner_load third_of_load(const struct wind *s, int64_t a,
+                                        int64_t b, int64_t c)
 {
-    struct share none = {vec_make(0, 0, 0), 0};
+    struct corner_load none = {vec_make(0, 0, 0), 0};
     vec ab = vec_sub(s->x[b], s->x[a]), ac = vec_sub(s->x[c], s->x[a]);
     vec area = vec_scale(R(0.5), vec_cross(ab, ac));
     vec sum = vec_add(vec_add(s->v[a], s->v[b]), s->v[c]);
@@ -25,13 +26,13 @@ static struct share third(const struct wind *s, int64_t a, int64_t b, int64_t c)
     vec across = vec_axpy(vec_scale(square, area), -flow, u);
     vec f = vec_scale(s->drag * through, u);
     f = vec_axpy(f, s->lift * (flow / size), across);
-    return (struct share){vec_scale(R(1.0 / 3), f),
-                          R(1.0 / 3) * ((s->drag + s->lift) * through)};
+    return (struct corner_load){vec_scale(R(1.0 / 3), f),
+                                R(1.0 / 3) * ((s->drag + s->lift) * through)};
 }
 
 /* §2: adds the shares of p in the triangles around it, in ascending order of
  * their cells. */
-static vec gather(const struct wind *s, int64_t p, int32_t i, int32_t j)
+static vec gather_corners(const struct wind *s, int64_t p, int32_t i, int32_t j)
 {
     const vec *part = s->part;
     int64_t m = s->m;
@@ -49,7 +50,8 @@ static vec gather(const struct wind *s, int64_t p, int32_t i, int32_t j)
 }
 
 /* §3: the same of the resistance. */
-static real resist(const struct wind *s, int64_t p, int32_t i, int32_t j)
+static real add_resistance(const struct wind *s, int64_t p, int32_t i,
+                           int32_t j)
 {
     const real *rate = s->rate;
     int64_t m = s->m;
@@ -66,8 +68,9 @@ static real resist(const struct wind *s, int64_t p, int32_t i, int32_t j)
     return sum + rate[2 * p + 1];
 }
 
-/* Sets the shares of triangle k, of number 2·p or 2·p + 1 in cell p. */
-static void put(const struct wind *s, int64_t k, struct share a)
+/* Stores the load that triangle k puts on each of its corners; cell p has the
+ * triangles 2·p and 2·p + 1. */
+static void store_load(const struct wind *s, int64_t k, struct corner_load a)
 {
     s->part[k] = a.force;
     if (s->n_inertia)
@@ -79,17 +82,18 @@ int ref_wind(struct wind *s)
     int64_t m = s->m;
     EACH_ITEM
     for (int64_t p = 0; p < s->count; p++) {
-        struct share none = {vec_make(0, 0, 0), 0};
+        struct corner_load none = {vec_make(0, 0, 0), 0};
         bool is = s->cell[p];
-        put(s, 2 * p, is ? third(s, p, p + 1, p + m + 1) : none);
-        put(s, 2 * p + 1, is ? third(s, p, p + m + 1, p + m) : none);
+        store_load(s, 2 * p, is ? third_of_load(s, p, p + 1, p + m + 1) : none);
+        store_load(s, 2 * p + 1,
+                   is ? third_of_load(s, p, p + m + 1, p + m) : none);
     }
     EACH_ITEM
     for (int64_t p = 0; p < s->count; p++) {
         int32_t j = cloth_row(p, s->m), i = (int32_t)(p - j * m);
-        s->force[p] = gather(s, p, i, j);
+        s->force[p] = gather_corners(s, p, i, j);
         if (s->n_inertia)
-            s->inertia[p] = s->mass[p] + s->tau * resist(s, p, i, j);
+            s->inertia[p] = s->mass[p] + s->tau * add_resistance(s, p, i, j);
     }
     return DRAPE_OK;
 }

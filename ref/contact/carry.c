@@ -5,8 +5,6 @@
 
 #include "ref/contact/impulses.h"
 
-static const real LEAST = R(30.0); /* §1.2: κ, in the masses that it moves */
-
 static bool are_valid(int64_t nv, int64_t n, const struct contact *contact)
 {
     for (int64_t k = 0; k < n; k++)
@@ -66,7 +64,7 @@ static real kappa_of(const struct carry *s, const struct contact *c,
         y += c->c[j] * c->c[j] * s->w[c->v[j]];
     real wanted =
         c->lambda > 0 ? c->lambda * s->tau / (CARRY_GIVE * thickness) : 0;
-    return y > 0 ? real_max(LEAST / y, real_min(wanted, s->stiffest)) : 0;
+    return y > 0 ? real_max(CARRY_KAPPA / y, real_min(wanted, s->stiffest)) : 0;
 }
 
 int ref_carry(struct carry *s)
@@ -77,7 +75,7 @@ int ref_carry(struct carry *s)
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++) {
         struct contact *c = &s->contact[k];
-        real thickness = skin_pair(&s->skin, c->v).thickness;
+        real thickness = surfaces_pair(&s->surfaces, c->v).thickness;
         real overlap = thickness - c->gap;
         c->target = (overlap > 0 ? CARRY_RISE * overlap : overlap) / s->dt;
         if (c->kappa > 0)

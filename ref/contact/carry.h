@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Stage carry: contacts get the multipliers of the slice before, by their keys,
- * and what stage coulomb needs besides. Stage retain: what the next slice may
- * carry on. spec/contact/carry.md */
+ * and the other numbers that stage coulomb needs. Stage retain lists the
+ * multipliers that the next slice may carry on. spec/contact/carry.md */
 #ifndef REF_CARRY_H
 #define REF_CARRY_H
 
@@ -11,8 +11,10 @@
 #define CARRY_RISE R(0.1)
 /* §1.2: of the thickness, by which κ yields to the load. */
 #define CARRY_GIVE R(0.03)
+/* §1.2: κ, in the masses that the contact moves. */
+#define CARRY_KAPPA R(30.0)
 
-/* What a pair's contact pressed with at the end of a slice. */
+/* The multipliers of a pair's contact at the end of a slice. */
 struct kept {
     uint64_t hi, lo; /* the pair's key, impulses.md §1 */
     real lambda;     /* N·s, ≥ 0 */
@@ -20,26 +22,26 @@ struct kept {
 };
 
 struct carry {
-    int64_t nv, n, n_kept;   /* vertices, contacts, what is kept; 4 n < 2^31 */
-    const real *w;           /* [nv] 1/kg, ≥ 0; 0: led */
-    struct skin skin;        /* of the vertices */
-    real dt, tau;            /* s, > 0: the slice, and the integrator's
-                                effective step */
-    real stiffest;           /* kg, > 0: the largest κ that a load asks for */
-    const struct kept *kept; /* [n_kept] by key, ascending */
-    struct contact *contact; /* [n] inout: target; of those whose kappa is 0
-                                lambda, lambda_t, load and kappa, too */
+    int64_t nv, n, n_kept;    /* vertices, contacts, entries kept; 4 n < 2^31 */
+    const real *w;            /* [nv] 1/kg, ≥ 0; 0: prescribed */
+    struct surfaces surfaces; /* of the vertices */
+    real dt, tau;             /* s, > 0: the slice, and the integrator's
+                                 effective step */
+    real stiffest;            /* kg, > 0: the largest κ that a load asks for */
+    const struct kept *kept;  /* [n_kept] by key, ascending */
+    struct contact *contact;  /* [n] inout: target; of those whose kappa is 0
+                                 lambda, lambda_t, load and kappa, too */
 };
 
 /* DRAPE_OK, or DRAPE_EARG for a bad vertex or setting. */
 int ref_carry(struct carry *s);
-/* What was kept [n], by key, of a contact's pair, or NULL. */
+/* The entry of kept [n], by key, of a contact's pair, or NULL. */
 const struct kept *carry_find(const struct kept *kept, int64_t n,
                               const struct contact *c);
 
 struct retain {
     int64_t nv, n;    /* vertices, contacts */
-    const real *w;    /* [nv] 1/kg, ≥ 0; 0: led */
+    const real *w;    /* [nv] 1/kg, ≥ 0; 0: prescribed */
     const vec *u, *v; /* [nv] m/s: mean velocity of the slice, and velocity at
                          its start */
     real most;        /* m/s, ≥ 0: a side that a contact changes by more was

@@ -1,39 +1,37 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The contact: a constraint on the velocities of four vertices. Proximity and
- * impulses make contacts; coulomb and contacts say what they push.
+ * impulses make contacts; coulomb and contacts find their impulses.
  * spec/contact/contacts.md */
 #ifndef REF_CONTACT_H
 #define REF_CONTACT_H
 
-#include "ref/base/stage.h"
-
-enum contact_kind { CONTACT_VF, CONTACT_EE };
+#include "ref/broad/pair.h"
 
 /* Whether a contact takes part in the implicit solve: not; as one that moves
  * several vertices; as one that moves one vertex alone. */
-enum contact_held { CONTACT_APART, CONTACT_MUTUAL, CONTACT_WALL };
+enum contact_coupling { CONTACT_APART, CONTACT_MUTUAL, CONTACT_SINGLE };
 
 /* A contact holds two sides, A and B, apart: it asks for n·Σ c u ≥ target. */
 struct contact {
-    int32_t v[4];  /* vertices, as the pair names them */
-    int32_t kind;  /* enum contact_kind */
-    int32_t held;  /* enum contact_held; coulomb.md §3 */
-    real c[4];     /* weights: side A adds to 1, side B to -1 */
-    vec n;         /* unit, from B to A */
-    real gap;      /* m, n·Σ c x at the start of the step */
-    real target;   /* m/s, lower bound of n·Σ c u */
-    real friction; /* Coulomb coefficient */
-    real impulse;  /* N·s along n; ≥ 0 after stage contacts */
-    vec tangent;   /* N·s across n, |tangent| ≤ friction · impulse */
-    real lambda;   /* N·s, ≥ 0: multiplier along n; coulomb.md §1 */
-    vec lambda_t;  /* N·s, ⊥ n: multiplier across n; coulomb.md §2 */
-    real load;     /* N·s, ≥ 0: N, which limits friction; coulomb.md §2 */
-    real kappa;    /* kg, ≥ 0: κ; 0: carry.md has not set the contact up */
-    real rise;     /* N·s, by which lambda rose when it was last renewed */
-    real along;    /* kg, of its matrix along n; coulomb.md §3 */
-    real slide;    /* kg, likewise across n */
-    vec way;       /* unit, along the friction of a contact that slides, else
-                      0: no matrix this way */
+    int32_t v[4];     /* vertices, as the pair names them */
+    int32_t kind;     /* enum contact_kind */
+    int32_t coupling; /* enum contact_coupling; coulomb.md §3 */
+    real c[4];        /* weights: side A adds to 1, side B to -1 */
+    vec n;            /* unit, from B to A */
+    real gap;         /* m, n·Σ c x at the start of the step */
+    real target;      /* m/s, lower bound of n·Σ c u */
+    real friction;    /* Coulomb coefficient */
+    real impulse;     /* N·s along n; ≥ 0 after stage contacts */
+    vec tangent;      /* N·s across n, |tangent| ≤ friction · impulse */
+    real lambda;      /* N·s, ≥ 0: multiplier along n; coulomb.md §1 */
+    vec lambda_t;     /* N·s, ⊥ n: multiplier across n; coulomb.md §2 */
+    real load;  /* N·s, ≥ 0: N, which limits friction; coulomb.md §2 */
+    real kappa; /* kg, ≥ 0: κ; 0: carry.md has not set the contact up */
+    real rise;  /* N·s, by which lambda rose when it was last renewed */
+    real stiffness_n; /* kg, of its matrix along n; coulomb.md §3 */
+    real stiffness_t; /* kg, likewise across n */
+    vec way;          /* unit, along the friction of a contact that slides, else
+                         0: no matrix this way */
 };
 
 /* Contact properties of a body's surface. A pair has the largest value of each
@@ -47,20 +45,21 @@ struct surface {
 static inline void contact_clear(struct contact *c)
 {
     vec none = vec_make(0, 0, 0);
-    c->held = CONTACT_APART;
+    c->coupling = CONTACT_APART;
     c->impulse = c->lambda = c->load = c->kappa = c->rise = 0;
-    c->along = c->slide = 0;
+    c->stiffness_n = c->stiffness_t = 0;
     c->tangent = c->lambda_t = c->way = none;
 }
 
 /* The surface of each vertex. */
-struct skin {
+struct surfaces {
     int64_t n;                     /* surfaces, ≥ 1 */
     const uint16_t *of;            /* [nv] index of the surface, 0 … n - 1 */
     const struct surface *surface; /* [n] */
 };
 
-static inline struct surface skin_pair(const struct skin *s, const int32_t v[4])
+static inline struct surface surfaces_pair(const struct surfaces *s,
+                                           const int32_t v[4])
 {
     struct surface r = s->surface[s->of[v[0]]];
     for (int k = 1; k < 4; k++) {
@@ -82,9 +81,9 @@ static inline int side_start(int kind, int side)
     return side == SIDE_A ? 0 : side == SIDE_B ? split : 4;
 }
 
-/* The led side of a pair: the first whose vertices are all led; SIDES if both
- * have free ones. */
-static inline int led_side(int kind, const int32_t v[4], const real *w)
+/* The prescribed side of a pair: the first whose vertices are all prescribed;
+ * SIDES if both have free ones. */
+static inline int prescribed_side(int kind, const int32_t v[4], const real *w)
 {
     for (int side = SIDE_A; side < SIDES; side++) {
         int free = 0, end = side_start(kind, side + 1);
@@ -94,15 +93,6 @@ static inline int led_side(int kind, const int32_t v[4], const real *w)
             return side;
     }
     return SIDES;
-}
-
-/* Whether all four indices are in 0 … nv - 1. */
-static inline bool pair_valid(const int32_t v[4], int64_t nv)
-{
-    for (int k = 0; k < 4; k++)
-        if (v[k] < 0 || v[k] >= nv)
-            return false;
-    return true;
 }
 
 /* The weighted sum Σ c a in this order: ((c0 a0 + c1 a1) + c2 a2) + c3 a3. */

@@ -8,7 +8,7 @@
 /* §1: waking. A sleeping contact would do nothing, so it is skipped. */
 
 /* Wakes contact k and its vertices. */
-static void wake(struct contacts *s, int64_t k)
+static void wake_contact(struct contacts *s, int64_t k)
 {
     const int32_t *v = s->contact[k].v;
     s->contact_awake[k] = AWAKE;
@@ -22,7 +22,7 @@ static void wake_acting(struct contacts *s)
 {
     for (int64_t k = 0; k < s->n; k++)
         if (s->lack[k] != 0 && !s->contact_awake[k])
-            wake(s, k);
+            wake_contact(s, k);
 }
 
 /* Wakes all contacts of vertex i. */
@@ -31,11 +31,11 @@ static void wake_around(struct contacts *s, int32_t i)
     s->vertex_awake[i] = SPREAD;
     for (int32_t j = s->start[i]; j < s->start[i + 1]; j++)
         if (!s->contact_awake[s->item[j] / 4])
-            wake(s, s->item[j] / 4);
+            wake_contact(s, s->item[j] / 4);
 }
 
 /* Wakes all contacts of the vertices pushed so far. */
-static void spread(struct contacts *s)
+static void spread_waking(struct contacts *s)
 {
     for (int64_t k = 0; k < s->vertices; k++)
         if (s->moved[k] && s->vertex_awake[s->vertex[k]] != SPREAD)
@@ -60,7 +60,7 @@ static real effective_mass(const struct contacts *s, const struct contact *c)
     return sum > 0 ? 1 / sum : 0;
 }
 
-static vec total(const struct contact *c)
+static vec total_impulse(const struct contact *c)
 {
     return vec_axpy(c->tangent, c->impulse, c->n);
 }
@@ -74,7 +74,7 @@ static void find_lack(struct contacts *s, int64_t k)
     s->lack[k] = lack > 0 || s->lookahead[k] > 0 ? lack : 0;
 }
 
-static void begin(struct contacts *s, int64_t k)
+static void begin_contact(struct contacts *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
     if (!s->warm) {
@@ -83,7 +83,7 @@ static void begin(struct contacts *s, int64_t k)
     }
     s->contact_awake[k] = ASLEEP;
     s->lookahead[k] = c->impulse;
-    s->before[k] = total(c);
+    s->before[k] = total_impulse(c);
     s->push[k] = vec_make(0, 0, 0);
     find_lack(s, k);
 }
@@ -140,7 +140,7 @@ static void push_tangent(struct contacts *s, int64_t k)
 /* §4: the push of this whole call, for v. */
 static void find_total(struct contacts *s, int64_t k)
 {
-    s->push[k] = vec_sub(total(&s->contact[k]), s->before[k]);
+    s->push[k] = vec_sub(total_impulse(&s->contact[k]), s->before[k]);
 }
 
 /* Work of one vertex */
@@ -153,7 +153,7 @@ static void first_parts(struct contacts *s, int32_t i)
 
 /* §3: counts the contacts that act on vertex i. True if they are so many that
  * the iteration is void. */
-static bool count(struct contacts *s, int32_t i, real beta)
+static bool count_acting(struct contacts *s, int32_t i, real beta)
 {
     int32_t acting = 0;
     for (int32_t k = s->start[i]; k < s->start[i + 1]; k++)
@@ -163,7 +163,7 @@ static bool count(struct contacts *s, int32_t i, real beta)
 }
 
 /* §3: the number d of parts into which vertex i is split. */
-static void split(struct contacts *s, int32_t i)
+static void split_vertex(struct contacts *s, int32_t i)
 {
     int32_t acting = s->acting[i], d = s->parts[i];
     if (s->keep == 0 || (d > 0 && d < acting))
@@ -173,7 +173,7 @@ static void split(struct contacts *s, int32_t i)
 }
 
 /* Σ c · push over the contacts of a vertex, in the order of its list. */
-static vec gather(const struct contacts *s, int32_t i)
+static vec gather_pushes(const struct contacts *s, int32_t i)
 {
     vec sum = vec_make(0, 0, 0);
     for (int32_t k = s->start[i]; k < s->start[i + 1]; k++) {
@@ -209,7 +209,7 @@ static bool count_all(struct contacts *s, real beta)
 #pragma omp parallel for schedule(static) reduction(| : over)
     for (int64_t k = 0; k < s->vertices; k++)
         if (s->vertex_awake[s->vertex[k]])
-            over |= count(s, s->vertex[k], beta);
+            over |= count_acting(s, s->vertex[k], beta);
     return over;
 }
 
@@ -218,19 +218,19 @@ static void split_all(struct contacts *s)
     EACH_ITEM
     for (int64_t k = 0; k < s->vertices; k++)
         if (s->vertex_awake[s->vertex[k]])
-            split(s, s->vertex[k]);
+            split_vertex(s, s->vertex[k]);
 }
 
 /* Adds the pushes to velocities u. A vertex that is not pushed keeps its bits.
  */
-static void apply(const struct contacts *s, vec *u)
+static void apply_pushes(const struct contacts *s, vec *u)
 {
     EACH_ITEM
     for (int64_t k = 0; k < s->vertices; k++) {
         int32_t i = s->vertex[k];
         if (!s->vertex_awake[i])
             continue;
-        vec sum = gather(s, i);
+        vec sum = gather_pushes(s, i);
         if (sum.x == 0 && sum.y == 0 && sum.z == 0)
             continue;
         u[i] = vec_axpy(u[i], s->w[i], sum);
@@ -239,7 +239,7 @@ static void apply(const struct contacts *s, vec *u)
 }
 
 /* §3: β of the iteration that is `age` iterations old. */
-static real momentum(int age)
+static real momentum_factor(int age)
 {
     return (real)age / ((real)age + 3);
 }
@@ -247,17 +247,17 @@ static real momentum(int age)
 static void solve_normal(struct contacts *s)
 {
     for (int t = 0, age = 0; t < s->iterations; t++) {
-        real beta = momentum(age);
+        real beta = momentum_factor(age);
         bool over = count_all(s, beta);
         age = over ? age / 2 : age + 1;
-        s->keep = t + 1 < s->iterations ? momentum(age) : 0;
+        s->keep = t + 1 < s->iterations ? momentum_factor(age) : 0;
         if (over)
             s->keep /= beta;
         else
             split_all(s);
         each_awake(s, over ? shrink_lookahead : push_normal);
-        apply(s, s->u);
-        spread(s);
+        apply_pushes(s, s->u);
+        spread_waking(s);
         each_awake(s, find_lack);
     }
 }
@@ -270,7 +270,7 @@ static void solve_tangent(struct contacts *s)
     split_all(s);
     for (int t = 0; t < s->iterations; t++) {
         each_awake(s, push_tangent);
-        apply(s, s->u);
+        apply_pushes(s, s->u);
     }
 }
 
@@ -297,11 +297,11 @@ int ref_contacts(struct contacts *s)
     memset(s->vertex_awake, ASLEEP, (size_t)s->nv);
     for (int64_t k = 0; k < s->vertices; k++)
         first_parts(s, s->vertex[k]);
-    each_contact(s, begin);
+    each_contact(s, begin_contact);
     wake_acting(s);
     solve_normal(s);
     solve_tangent(s);
     each_awake(s, find_total); /* v gets all impulses at once */
-    apply(s, s->v);
+    apply_pushes(s, s->v);
     return DRAPE_OK;
 }

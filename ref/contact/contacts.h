@@ -10,10 +10,10 @@
 enum waking { ASLEEP, AWAKE, SPREAD };
 
 struct contacts {
-    int64_t nv, n;           /* vertices, contacts; 4 n < 2^31 */
-    const real *w;           /* [nv] 1/kg, ≥ 0; 0: led, never changed */
-    int iterations;          /* ≥ 0, of the normal and the tangential part */
-    int warm;                /* 1: start from the impulses in contact */
+    int64_t nv, n;  /* vertices, contacts; 4 n < 2^31 */
+    const real *w;  /* [nv] 1/kg, ≥ 0; 0: prescribed, never changed */
+    int iterations; /* ≥ 0, of the normal and the tangential part */
+    int warm;       /* 1: start from the impulses in contact */
     struct contact *contact; /* in, out: [n] impulse and tangent change */
     vec *u;                  /* in, out: [nv] m/s mean velocity of the step */
     vec *v;                  /* in, out: [nv] m/s velocity at its end */

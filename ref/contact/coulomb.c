@@ -5,11 +5,7 @@
 
 #include "ref/contact/incidence.h"
 
-/* §2.3: λ rises steadily where it rises by more than this part of its last
- * rise; κ is then multiplied. */
-static const real STEADY = R(0.9), GROWTH = R(10.0);
-
-static int check(const struct coulomb *s)
+static int check_input(const struct coulomb *s)
 {
     if (!(s->dt > 0 && s->tau > 0 && s->give >= 0 && s->reach >= 0 &&
           s->stiffest > 0) ||
@@ -23,7 +19,7 @@ static int check(const struct coulomb *s)
 }
 
 /* A vector cut to the length `most`. */
-static vec cut(vec a, real most)
+static vec cut_length(vec a, real most)
 {
     real size = vec_length(a);
     return size > most ? vec_scale(most / size, a) : a;
@@ -46,7 +42,7 @@ static real push_of(const struct coulomb *s, const struct contact *c,
 
 /* §3.2: whether contact c moves one vertex alone, so that its matrix is a
  * block. */
-static bool is_wall(const struct coulomb *s, const struct contact *c)
+static bool is_single(const struct coulomb *s, const struct contact *c)
 {
     int moving = 0;
     for (int j = 0; j < 4; j++)
@@ -56,23 +52,24 @@ static bool is_wall(const struct coulomb *s, const struct contact *c)
 
 /* §2.3: the impulses that the call before found become the multipliers. Where λ
  * rises as much as before, κ is too small. */
-static void renew(const struct coulomb *s, struct contact *c)
+static void renew_multipliers(const struct coulomb *s, struct contact *c)
 {
     real rise = c->impulse - c->lambda;
-    bool steady = c->lambda > 0 && c->rise > 0 && rise > STEADY * c->rise;
+    bool steady =
+        c->lambda > 0 && c->rise > 0 && rise > COULOMB_STEADY * c->rise;
     if (steady && c->kappa < s->stiffest)
-        c->kappa = real_min(GROWTH * c->kappa, s->stiffest);
+        c->kappa = real_min(COULOMB_GROWTH * c->kappa, s->stiffest);
     c->rise = rise;
     c->lambda = c->load = c->impulse;
-    c->lambda_t = cut(c->tangent, c->friction * c->impulse);
+    c->lambda_t = cut_length(c->tangent, c->friction * c->impulse);
 }
 
 /* §1, §2, §3.1: impulses and matrix of contact k. */
-static void evaluate(const struct coulomb *s, int64_t k)
+static void evaluate_contact(const struct coulomb *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
     if (s->renews)
-        renew(s, c);
+        renew_multipliers(s, c);
     vec v = vec_scale(s->dt / s->tau, pair_sum(c->v, c->c, s->u));
     real along = vec_dot(c->n, v);
     real lack = c->target * (s->dt / s->tau) - along;
@@ -84,16 +81,19 @@ static void evaluate(const struct coulomb *s, int64_t k)
     real most = c->friction * c->load, size = vec_length(z);
     bool slides = size > most;
     c->tangent = slides ? vec_scale(most / size, z) : z;
-    c->along = c->impulse > 0 ? c->kappa / (1 + c->kappa * give_of(s, c)) : 0;
-    c->slide = slides ? c->kappa * (most / size) : most > 0 ? c->kappa : 0;
+    c->stiffness_n =
+        c->impulse > 0 ? c->kappa / (1 + c->kappa * give_of(s, c)) : 0;
+    c->stiffness_t = slides     ? c->kappa * (most / size)
+                     : most > 0 ? c->kappa
+                                : 0;
     c->way = slides ? vec_scale(1 / size, z) : vec_make(0, 0, 0);
-    c->held = !(c->along > 0 || c->slide > 0) ? CONTACT_APART
-              : is_wall(s, c)                 ? CONTACT_WALL
-                                              : CONTACT_MUTUAL;
-    /* §2.3: what renewed multipliers would give */
+    c->coupling = !(c->stiffness_n > 0 || c->stiffness_t > 0) ? CONTACT_APART
+                  : is_single(s, c)                           ? CONTACT_SINGLE
+                                                              : CONTACT_MUTUAL;
+    /* §2.2: the impulse by renewed multipliers, for outer */
     real load = c->impulse, next = push_of(s, c, load, lack);
-    vec drag = cut(c->tangent, c->friction * load);
-    drag = cut(vec_axpy(drag, -c->kappa, slip), c->friction * load);
+    vec drag = cut_length(c->tangent, c->friction * load);
+    drag = cut_length(vec_axpy(drag, -c->kappa, slip), c->friction * load);
     s->next[k] = vec_axpy(drag, next, c->n);
 }
 
@@ -111,21 +111,21 @@ static real side_of(const struct coulomb *s, const struct contact *c, int j)
     return least;
 }
 
-/* §3.2: S/w_j·|c_j|, the factor of contact c in the hold of its vertex j. */
+/* §3.2: S/w_j·|c_j|, the factor of contact c in the bound of its vertex j. */
 static real part_of(const struct coulomb *s, const struct contact *c, int j)
 {
-    real share = 0;
+    real sum = 0;
     for (int i = 0; i < 4; i++)
         if (s->w[c->v[i]] > 0)
-            share += real_abs(c->c[i]) * side_of(s, c, i);
-    return share / side_of(s, c, j) * real_abs(c->c[j]);
+            sum += real_abs(c->c[i]) * side_of(s, c, i);
+    return sum / side_of(s, c, j) * real_abs(c->c[j]);
 }
 
-/* §3.2: what contact c adds to the hold of its vertex j. */
-static sym hold_of(const struct coulomb *s, const struct contact *c, int j)
+/* §3.2: the part of contact c in the bound of its vertex j. */
+static sym bound_of(const struct coulomb *s, const struct contact *c, int j)
 {
     real part = part_of(s, c, j);
-    real across = part * c->slide, d = part * c->along - across;
+    real across = part * c->stiffness_t, d = part * c->stiffness_n - across;
     vec n = c->n, z = c->way;
     sym r = {d * n.x * n.x + across - across * z.x * z.x,
              d * n.x * n.y - across * z.x * z.y,
@@ -137,7 +137,7 @@ static sym hold_of(const struct coulomb *s, const struct contact *c, int j)
 }
 
 /* The sums over the contacts of vertex i. */
-static void gather(const struct coulomb *s, int64_t i)
+static void gather_vertex(const struct coulomb *s, int64_t i)
 {
     vec force = vec_make(0, 0, 0), next = force, none = force;
     sym sum[2] = {{0, 0, 0, 0, 0, 0}, {0, 0, 0, 0, 0, 0}};
@@ -148,14 +148,14 @@ static void gather(const struct coulomb *s, int64_t i)
         vec push = vec_axpy(c->tangent, c->impulse, c->n);
         force = vec_axpy(force, c->c[j], push);
         next = vec_axpy(next, c->c[j], s->next[at]);
-        if (!c->held)
+        if (!c->coupling)
             continue;
-        sym *to = &sum[c->held == CONTACT_WALL];
-        *to = sym_add(*to, hold_of(s, c, j));
+        sym *to = &sum[c->coupling == CONTACT_SINGLE];
+        *to = sym_add(*to, bound_of(s, c, j));
     }
     s->force[i] = force;
-    s->wall[i] = sum[1];
-    s->hold[i] = sym_add(sum[0], sum[1]);
+    s->single[i] = sum[1];
+    s->bound[i] = sym_add(sum[0], sum[1]);
     if (i >= s->nc)
         return;
     bool free = s->w[i] > 0;
@@ -165,7 +165,7 @@ static void gather(const struct coulomb *s, int64_t i)
 
 int ref_coulomb(struct coulomb *s)
 {
-    int status = check(s);
+    int status = check_input(s);
     if (status != DRAPE_OK)
         return status;
     struct incidence by = {.nv = s->nv,
@@ -179,18 +179,18 @@ int ref_coulomb(struct coulomb *s)
         ref_incidence(&by);
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++)
-        evaluate(s, k);
+        evaluate_contact(s, k);
     EACH_ITEM
     for (int64_t i = 0; i < s->nv; i++)
-        gather(s, i);
+        gather_vertex(s, i);
     return DRAPE_OK;
 }
 
 /* §3.1: the impulse of contact c in answer to the velocities x. */
-static vec answer(const struct links *s, const struct contact *c)
+static vec answer_velocities(const struct links *s, const struct contact *c)
 {
     vec v = pair_sum(c->v, c->c, s->x);
-    real a = c->along, b = c->slide;
+    real a = c->stiffness_n, b = c->stiffness_t;
     vec y = vec_axpy(vec_scale(b, v), (a - b) * vec_dot(c->n, v), c->n);
     return vec_axpy(y, -b * vec_dot(c->way, v), c->way);
 }
@@ -201,8 +201,8 @@ int ref_links(struct links *s)
         return DRAPE_EARG;
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++)
-        s->push[k] = s->contact[k].held == CONTACT_MUTUAL
-                         ? answer(s, &s->contact[k])
+        s->push[k] = s->contact[k].coupling == CONTACT_MUTUAL
+                         ? answer_velocities(s, &s->contact[k])
                          : vec_make(0, 0, 0);
     EACH_ITEM
     for (int64_t i = 0; i < s->nv; i++)

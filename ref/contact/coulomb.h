@@ -7,19 +7,24 @@
 
 #include "ref/contact/contact.h"
 
+/* §2.3: λ rises steadily where it rises by more than this part of its last
+ * rise; κ is then multiplied. */
+#define COULOMB_STEADY R(0.9)
+#define COULOMB_GROWTH R(10.0)
+
 struct coulomb {
     int64_t nv, nc, n; /* vertices, of which the first nc are particles of
                           cloths; contacts; 4 n < 2^31 */
-    const real *w;     /* [nv] 1/kg, ≥ 0; 0: led */
+    const real *w;     /* [nv] 1/kg, ≥ 0; 0: prescribed */
     const vec *u;      /* [nv] m/s, mean velocity of the slice */
-    const vec *rest;   /* [nc] N·s, what the motion without contact lacks */
+    const vec *rest;   /* [nc] N·s, residual of the motion without contact */
     real dt, tau;      /* s, > 0: the slice, and the integrator's effective
                           step */
     real stiffest;     /* kg, > 0: no κ grows beyond */
     real give;  /* 1/(kg m), ≥ 0: compliance of a contact over its gap */
     real reach; /* m, ≥ 0: no thickness is larger */
-    int renews; /* 1: the multipliers become what the call before found */
-    int closes; /* 1: N becomes what this call finds */
+    int renews; /* 1: the multipliers become the impulses of the last call */
+    int closes; /* 1: N becomes the normal impulse of this call */
     int lists;  /* 1: the contacts are others than in the call before */
     struct contact *contact; /* [n] inout; carry.md has set them up */
 
@@ -32,8 +37,8 @@ struct coulomb {
     vec *force;      /* out: [nv] N·s, Σ c (p n + pt) */
     vec *inner;      /* out: [nc] N·s, rest + force, 0 where fixed */
     vec *outer;      /* out: [nc] N·s, the same by renewed multipliers */
-    sym *wall;       /* out: [nv] kg, the part of hold of CONTACT_WALL */
-    sym *hold;       /* out: [nv] kg, a bound of the contacts' matrix */
+    sym *single;     /* out: [nv] kg, the part of bound of CONTACT_SINGLE */
+    sym *bound;      /* out: [nv] kg, a bound of the contacts' matrix */
 };
 
 /* DRAPE_OK, or DRAPE_EARG for a bad vertex, setting or count. */
@@ -41,9 +46,10 @@ int ref_coulomb(struct coulomb *s);
 
 /* The contacts' own matrix times a vector, §3.1. */
 struct links {
-    int64_t nv, n;                 /* vertices, contacts; 4 n < 2^31 */
-    const struct contact *contact; /* [n] v, c, n, held, along, slide, way */
-    const vec *x;                  /* [nv] m/s, 0 where w is 0 */
+    int64_t nv, n; /* vertices, contacts; 4 n < 2^31 */
+    const struct contact
+        *contact; /* [n] v, c, n, coupling, stiffness_n, stiffness_t, way */
+    const vec *x; /* [nv] m/s, 0 where w is 0 */
 
     int64_t nv1, n4;      /* nv + 1, 4 n */
     const int32_t *start; /* [nv1] first item of a vertex, contacts.md §1 */

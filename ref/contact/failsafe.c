@@ -7,7 +7,7 @@
 #include "ref/contact/zones.h"
 
 /* §5. Adds the hits to the pairs of the rounds before. */
-static int tangle(struct response *s)
+static int add_tangled(struct response *s)
 {
     struct pool *from = &s->tangle[s->tangle_side];
     struct pool *to = &s->tangle[!s->tangle_side];
@@ -38,7 +38,7 @@ static int grow_zones(struct response *s, int64_t n)
 
 int failsafe_zones(struct response *s)
 {
-    int status = tangle(s);
+    int status = add_tangled(s);
     if (status == DRAPE_OK)
         status = grow_zones(s, s->tangled);
     if (status != DRAPE_OK)

@@ -5,11 +5,11 @@
 
 #include "ref/narrow/narrow.h"
 
-enum { MISS = -1, STARTED = -2, LED = -3 };
+enum { MISS = -1, STARTED = -2, PRESCRIBED = -3 };
 
 /* §1: 0 for an impact, which a response can part; else why the candidate is
  * left out. */
-static int32_t decide(const struct impacts *s, int64_t k)
+static int32_t decide_candidate(const struct impacts *s, int64_t k)
 {
     if (s->toi[k] == NARROW_MISS)
         return MISS;
@@ -17,7 +17,7 @@ static int32_t decide(const struct impacts *s, int64_t k)
     for (int j = 0; j < 4; j++)
         any_free |= s->w[s->pair[4 * k + j]] > 0;
     if (!any_free)
-        return LED;
+        return PRESCRIBED;
     if (s->toi[k] > 0)
         return 0;
     vec x[4];
@@ -36,12 +36,12 @@ int ref_impacts(struct impacts *s)
             return DRAPE_EARG;
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++)
-        s->at[k] = decide(s, k);
+        s->at[k] = decide_candidate(s, k);
 
-    s->found = s->started = s->led = 0;
+    s->found = s->started = s->prescribed = 0;
     for (int64_t k = 0; k < s->n; k++) {
         s->started += s->at[k] == STARTED;
-        s->led += s->at[k] == LED;
+        s->prescribed += s->at[k] == PRESCRIBED;
         if (s->at[k] == 0)
             s->at[k] = (int32_t)s->found++;
         else

@@ -11,7 +11,7 @@ struct impacts {
     const uint8_t *kind; /* [n] enum contact_kind */
     const uint32_t *toi; /* [n] floor(2^30 t) or NARROW_MISS */
     const vec *x0;       /* [nv] m, finite */
-    const real *w;       /* [nv] 1/kg, ≥ 0; 0: led */
+    const real *w;       /* [nv] 1/kg, ≥ 0; 0: prescribed */
 
     int32_t *at;       /* scratch: [n] */
     int64_t cap;       /* capacity of hit, hit_kind and hit_toi, impacts */
@@ -20,7 +20,7 @@ struct impacts {
     uint32_t *hit_toi; /* out: [found] */
     int64_t found;     /* out: impacts, also if beyond cap */
     int64_t started;   /* out: pairs left out as they touch at the start, §1 */
-    int64_t led;       /* out: pairs left out as no vertex is free, §1 */
+    int64_t prescribed; /* out: pairs left out as no vertex is free, §1 */
 };
 
 /* DRAPE_OK; DRAPE_EARG for a bad vertex or kind; DRAPE_EFULL where found

@@ -5,7 +5,7 @@
 
 #include "ref/narrow/closest.h"
 
-static int check(const struct impulses *s)
+static int check_input(const struct impulses *s)
 {
     if (!(s->dt > 0 && s->dt <= REAL_BIG && s->margin >= 0) ||
         s->n_all != s->n + s->n_active || s->n_all > INT32_MAX / 4)
@@ -18,20 +18,20 @@ static int check(const struct impulses *s)
 
 /* §1: keys */
 
-static uint64_t both(int32_t a, int32_t b)
+static uint64_t join_words(int32_t a, int32_t b)
 {
     return (uint64_t)(uint32_t)a << 32 | (uint32_t)b;
 }
 
-static uint64_t edge(int32_t a, int32_t b)
+static uint64_t edge_word(int32_t a, int32_t b)
 {
-    return a < b ? both(a, b) : both(b, a);
+    return a < b ? join_words(a, b) : join_words(b, a);
 }
 
 struct key impulses_key(const int32_t v[4], int64_t kind, int64_t item)
 {
     if (kind == CONTACT_EE) {
-        uint64_t a = edge(v[0], v[1]), b = edge(v[2], v[3]);
+        uint64_t a = edge_word(v[0], v[1]), b = edge_word(v[2], v[3]);
         uint64_t first = a < b ? a : b, second = a < b ? b : a;
         return (struct key){first | UINT64_C(1) << 63, second, item};
     }
@@ -39,7 +39,8 @@ struct key impulses_key(const int32_t v[4], int64_t kind, int64_t item)
     int32_t lo = a < b ? a : b, hi = a < b ? b : a;
     int32_t least = c < lo ? c : lo, most = c > hi ? c : hi;
     int32_t middle = c < lo ? lo : c > hi ? hi : c;
-    return (struct key){both(v[0], least), both(middle, most), item};
+    return (struct key){join_words(v[0], least), join_words(middle, most),
+                        item};
 }
 
 /* §2: geometry */
@@ -50,8 +51,8 @@ struct impact {
     struct wide way[4];  /* m, displacement over the step */
 };
 
-static void place(const struct impulses *s, const int32_t v[4], double t,
-                  struct impact *m)
+static void place_vertices(const struct impulses *s, const int32_t v[4],
+                           double t, struct impact *m)
 {
     struct wide base = wide_of(s->x0[v[0]]);
     for (int k = 0; k < 4; k++) {
@@ -87,23 +88,24 @@ static struct wide own_normal(const struct impact *m, int64_t kind,
     return closing > 0 ? wide_scale(-1, n) : n;
 }
 
-/* §2.3: n, or where it is no normal of the led side's surface, the normal of
- * the triangle there that it is most along. */
-static struct wide turned(const struct impulses *s, int64_t k,
-                          const struct impact *m, const struct closest *r,
-                          struct wide n)
+/* §2.3: n, or where it is no normal of the prescribed side's surface, the
+ * normal of the triangle there that it is most along. */
+static struct wide surface_normal(const struct impulses *s, int64_t k,
+                                  const struct impact *m,
+                                  const struct closest *r, struct wide n)
 {
     const int32_t *v = s->pair + 4 * k;
-    int kind = s->kind[k], side = led_side(kind, v, s->w);
+    int kind = s->kind[k], side = prescribed_side(kind, v, s->w);
     if (side == SIDES)
         return n;
     struct places places = {s->x0, s->x1, (double)s->toi[k] * 0x1p-30};
-    struct foot f =
-        foot_find(v, side_start(kind, side), side_start(kind, side + 1), m->x,
-                  r->c, side == SIDE_A ? wide_scale(-1, n) : n);
+    struct closest_point f = closest_point_find(
+        v, side_start(kind, side), side_start(kind, side + 1), m->x, r->c,
+        side == SIDE_A ? wide_scale(-1, n) : n);
     struct wide t = f.p;
-    if (foot_is_nearest(&places, &s->fan, &f, FOOT_LED) ||
-        !foot_turn(&places, &s->fan, &f, 0, &t))
+    if (closest_point_is_local(&places, &s->one_rings, &f,
+                               CLOSEST_PRESCRIBED) ||
+        !closest_point_normal(&places, &s->one_rings, &f, 0, &t))
         return n;
     if (side == SIDE_A)
         t = wide_scale(-1, t);
@@ -113,34 +115,34 @@ static struct wide turned(const struct impulses *s, int64_t k,
 }
 
 /* §2: the closest points of impact k when it touches, and its normal. */
-static struct wide look_at(const struct impulses *s, int64_t k,
-                           struct impact *m, struct closest *r)
+static struct wide find_normal(const struct impulses *s, int64_t k,
+                               struct impact *m, struct closest *r)
 {
-    place(s, s->pair + 4 * k, (double)s->toi[k] * 0x1p-30, m);
+    place_vertices(s, s->pair + 4 * k, (double)s->toi[k] * 0x1p-30, m);
     if (s->kind[k] == CONTACT_VF)
         closest_vf(m->x, r);
     else
         closest_ee(m->x, r);
-    return turned(s, k, m, r, own_normal(m, s->kind[k], r));
+    return surface_normal(s, k, m, r, own_normal(m, s->kind[k], r));
 }
 
-static void emit(const struct impulses *s, int64_t k, struct contact *c)
+static void emit_contact(const struct impulses *s, int64_t k, struct contact *c)
 {
     struct impact m;
     struct closest r;
     memcpy(c->v, s->pair + 4 * k, sizeof c->v);
     c->kind = s->kind[k];
-    struct wide n = look_at(s, k, &m, &r);
-    struct surface skin = skin_pair(&s->skin, c->v);
+    struct wide n = find_normal(s, k, &m, &r);
+    struct surface surface = surfaces_pair(&s->surfaces, c->v);
     closest_weights(&r, (int)c->kind, c->c);
     c->n = wide_round(n);
     c->gap = (real)wide_dot(n, weighted_sum(r.c, m.from));
-    c->target = (s->margin * skin.thickness - c->gap) / s->dt;
-    c->friction = skin.friction;
+    c->target = (s->margin * surface.thickness - c->gap) / s->dt;
+    c->friction = surface.friction;
     contact_clear(c);
 }
 
-/* §5: what a vertex meets first */
+/* §5: the first impact of each vertex */
 
 static const uint64_t NONE = ~UINT64_C(0);
 
@@ -163,7 +165,7 @@ static struct wide aim_of(const struct impulses *s, int64_t k)
 {
     struct impact m;
     struct closest r;
-    return look_at(s, k, &m, &r);
+    return find_normal(s, k, &m, &r);
 }
 
 /* Whether vertex i, one of its four, is on side A of impact k. */
@@ -175,7 +177,7 @@ static bool on_side_a(const struct impulses *s, int64_t k, int32_t i)
 
 /* Whether impact k pushes a free vertex of its against what this vertex met
  * before. */
-static bool shadowed(const struct impulses *s, int64_t k)
+static bool is_shadowed(const struct impulses *s, int64_t k)
 {
     struct wide aim = aim_of(s, k);
     for (int j = 0; j < 4; j++) {
@@ -196,19 +198,19 @@ static bool shadowed(const struct impulses *s, int64_t k)
  * later round. */
 static struct key key_of(const struct impulses *s, int64_t k)
 {
-    if (shadowed(s, k))
+    if (is_shadowed(s, k))
         return (struct key){NONE, NONE, s->n_active + k};
     return impulses_key(s->pair + 4 * k, s->kind[k], s->n_active + k);
 }
 
-static bool same(const struct key *a, const struct key *b)
+static bool is_same_key(const struct key *a, const struct key *b)
 {
     return a->hi == b->hi && a->lo == b->lo;
 }
 
 /* §1: the contact of a pair that the active set has as well goes on with its
  * multipliers. */
-static void inherit(const struct contact *from, struct contact *c)
+static void inherit_multipliers(const struct contact *from, struct contact *c)
 {
     real order = from->v[0] == c->v[0] || from->v[0] == c->v[1] ? 1 : -1;
     vec t = vec_scale(c->kind == CONTACT_VF ? 1 : order, from->lambda_t);
@@ -221,13 +223,14 @@ static void inherit(const struct contact *from, struct contact *c)
 
 /* §1: of equal keys the newest, which is the last, stays; before[k].item is the
  * contact of the active set whose place key[k] takes, or -1. */
-static void merge(struct impulses *s, struct key *key, struct key *before)
+static void merge_active(struct impulses *s, struct key *key,
+                         struct key *before)
 {
     s->found = 0;
     for (int64_t k = 0; k < s->n_all && key[k].hi != NONE; k++) {
-        bool again = k > 0 && same(&key[k - 1], &key[k]);
+        bool again = k > 0 && is_same_key(&key[k - 1], &key[k]);
         int64_t old = again ? key[k - 1].item : -1;
-        if (k + 1 < s->n_all && same(&key[k], &key[k + 1]))
+        if (k + 1 < s->n_all && is_same_key(&key[k], &key[k + 1]))
             continue;
         before[s->found].item = old < s->n_active ? old : -1;
         key[s->found++] = key[k];
@@ -236,7 +239,7 @@ static void merge(struct impulses *s, struct key *key, struct key *before)
 
 int ref_impulses(struct impulses *s)
 {
-    int status = check(s);
+    int status = check_input(s);
     if (status != DRAPE_OK)
         return status;
     find_first(s); /* §5 */
@@ -248,7 +251,7 @@ int ref_impulses(struct impulses *s)
         s->key[s->n_active + k] = key_of(s, k);
     struct key *key = keys_sort(s->n_all, s->key, s->spare);
     struct key *before = key == s->key ? s->spare : s->key;
-    merge(s, key, before);
+    merge_active(s, key, before);
     if (s->found > s->cap)
         return DRAPE_EFULL;
 
@@ -259,9 +262,9 @@ int ref_impulses(struct impulses *s)
             s->contact[k] = s->active[item];
             continue;
         }
-        emit(s, item - s->n_active, &s->contact[k]);
+        emit_contact(s, item - s->n_active, &s->contact[k]);
         if (before[k].item >= 0)
-            inherit(&s->active[before[k].item], &s->contact[k]);
+            inherit_multipliers(&s->active[before[k].item], &s->contact[k]);
     }
     return DRAPE_OK;
 }

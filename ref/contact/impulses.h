@@ -8,15 +8,15 @@
 #include "ref/contact/contact.h"
 
 struct impulses {
-    int64_t nv, n;       /* vertices, impacts */
-    const int32_t *pair; /* [n][4] v f f f or a a b b */
-    const uint8_t *kind; /* [n] enum contact_kind */
-    const uint32_t *toi; /* [n] floor(2^30 t) */
-    const real *w;       /* [nv] 1/kg, 0: led */
-    const vec *x0, *x1;  /* [nv] m, start and end of the step */
-    struct skin skin;    /* of the vertices */
-    struct fan fan;      /* the triangles around each vertex */
-    real dt;             /* s, > 0 */
+    int64_t nv, n;              /* vertices, impacts */
+    const int32_t *pair;        /* [n][4] v f f f or a a b b */
+    const uint8_t *kind;        /* [n] enum contact_kind */
+    const uint32_t *toi;        /* [n] floor(2^30 t) */
+    const real *w;              /* [nv] 1/kg, 0: prescribed */
+    const vec *x0, *x1;         /* [nv] m, start and end of the step */
+    struct surfaces surfaces;   /* of the vertices */
+    struct one_rings one_rings; /* the triangles around each vertex */
+    real dt;                    /* s, > 0 */
     real margin;      /* ≥ 0, part of its thickness that a pair shall keep */
     int64_t n_active; /* size of the active set */
     const struct contact *active; /* [n_active] contacts of earlier rounds */

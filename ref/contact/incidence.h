@@ -8,7 +8,7 @@
 
 struct incidence {
     int64_t nv, n;                 /* vertices, contacts; 4 n < 2^31 */
-    const real *w;                 /* [nv] 1/kg, 0: led */
+    const real *w;                 /* [nv] 1/kg, 0: prescribed */
     const struct contact *contact; /* [n] */
     int32_t *start;                /* out: [nv + 1] first item of a vertex */
     int32_t *item;    /* out: [4 n] 4·contact + corner, by vertex, ascending */

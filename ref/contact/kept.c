@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What contacts carry from slice to slice, as a whole.
+/* The multipliers that all contacts carry from slice to slice.
  * spec/contact/carry.md §3 */
 #include "ref/contact/kept.h"
 
-#include "ref/api/ops.h"
+#include "ref/base/change.h"
 #include "ref/base/keys.h"
 #include "ref/sleep/rest.h"
 #include "ref/world/state.h"
@@ -23,7 +23,7 @@ static int body_of(const struct world *w, int32_t v)
 }
 
 /* Whether a side of the pair is of a cloth that is asleep. */
-static bool rests(const struct world *w, const struct kept *k)
+static bool is_asleep(const struct world *w, const struct kept *k)
 {
     int32_t v[2];
     sides_of(k, v);
@@ -35,8 +35,8 @@ static bool rests(const struct world *w, const struct kept *k)
     return false;
 }
 
-/* Leaves out what presses nothing, and orders the rest. */
-static int arrange(const struct world *w, struct kept *list, int64_t *n)
+/* Leaves out entries without a normal impulse, and sorts the rest by key. */
+static int sort_kept(const struct world *w, struct kept *list, int64_t *n)
 {
     int64_t found = 0;
     for (int64_t k = 0; k < *n; k++)
@@ -73,11 +73,11 @@ int kept_gather(const struct world *w, struct kept **list, int64_t *n)
     w->run->fetch(w->on, *list + awake, a->resting.data,
                   (size_t)a->n_resting * size);
     int status = w->run->status(w->on);
-    return status == DRAPE_OK ? arrange(w, *list, n) : status;
+    return status == DRAPE_OK ? sort_kept(w, *list, n) : status;
 }
 
 /* Room for n entries in a pool that has `used`, which stay. */
-static int widen(struct world *w, struct pool *p, int64_t used, int64_t n)
+static int widen_pool(struct world *w, struct pool *p, int64_t used, int64_t n)
 {
     struct pool wide = {0};
     if (n <= p->cap)
@@ -97,9 +97,9 @@ int kept_room(struct world *w, int64_t n, struct kept **part)
     *part = arena_take(w->arena, ARENA_OTHER, n, sizeof **part);
     int status = *part ? DRAPE_OK : DRAPE_ENOMEM;
     if (status == DRAPE_OK)
-        status = widen(w, &a->kept[0], a->n_kept[0], n);
+        status = widen_pool(w, &a->kept[0], a->n_kept[0], n);
     if (status == DRAPE_OK)
-        status = widen(w, &a->resting, a->n_resting, n);
+        status = widen_pool(w, &a->resting, a->n_resting, n);
     return status;
 }
 
@@ -112,7 +112,7 @@ int kept_spread(struct world *w, const struct kept *list, int64_t n,
         int64_t *found = asleep ? &a->n_resting : &a->n_kept[0];
         *found = 0;
         for (int64_t k = 0; k < n; k++)
-            if (rests(w, &list[k]) == asleep)
+            if (is_asleep(w, &list[k]) == asleep)
                 part[(*found)++] = list[k];
         if (*found > 0)
             w->run->send(w->on, to->data, part, (size_t)*found * sizeof *part);
@@ -121,7 +121,7 @@ int kept_spread(struct world *w, const struct kept *list, int64_t n,
 }
 
 /* Likewise, of a list for which room is made first. */
-static int distribute(struct world *w, const struct kept *list, int64_t n)
+static int distribute_kept(struct world *w, const struct kept *list, int64_t n)
 {
     struct kept *part = NULL;
     int status = kept_room(w, n, &part);
@@ -139,54 +139,54 @@ int kept_divide(struct world *w)
         return DRAPE_OK;
     int status = kept_gather(w, &list, &n);
     if (status == DRAPE_OK)
-        status = distribute(w, list, n);
+        status = distribute_kept(w, list, n);
     arena_give(w->arena, list);
     return status;
 }
 
 /* The vertex of the new world that is v of the old one; -1: it is gone. */
-static int32_t heir_of(const struct world *w, const struct heir *heir,
-                       int32_t v)
+static int32_t edited_of(const struct world *w, const struct edited *edited,
+                         int32_t v)
 {
-    const struct world *old = heir->old;
+    const struct world *old = edited->old;
     int bodies = w->def.n_cloths + w->def.n_obstacles, from = body_of(old, v);
     for (int k = 0; k < bodies; k++)
-        if (heir->from[k] == from)
+        if (edited->from[k] == from)
             return (int32_t)(v - state_first_vertex(old, from) +
                              state_first_vertex(w, k));
     return -1;
 }
 
 /* Both halves of a word are vertices. */
-static bool rename_word(const struct world *w, const struct heir *heir,
+static bool rename_word(const struct world *w, const struct edited *edited,
                         uint64_t *word)
 {
-    int32_t a = heir_of(w, heir, (int32_t)(*word >> 32));
-    int32_t b = heir_of(w, heir, (int32_t)(*word & UINT32_MAX));
+    int32_t a = edited_of(w, edited, (int32_t)(*word >> 32));
+    int32_t b = edited_of(w, edited, (int32_t)(*word & UINT32_MAX));
     *word = (uint64_t)(uint32_t)a << 32 | (uint32_t)b;
     return a >= 0 && b >= 0;
 }
 
-int kept_inherit(struct world *w, const struct heir *heir)
+int kept_inherit(struct world *w, const struct edited *edited)
 {
     struct kept *list = NULL;
     int64_t n = 0, found = 0;
-    if (!w->plan.solves || !heir->old->plan.solves)
+    if (!w->plan.solves || !edited->old->plan.solves)
         return DRAPE_OK;
-    int status = kept_gather(heir->old, &list, &n);
+    int status = kept_gather(edited->old, &list, &n);
     for (int64_t k = 0; k < n && status == DRAPE_OK; k++) {
         struct kept e = list[k];
         uint64_t kind = e.hi & EDGES;
         e.hi &= ~EDGES;
-        bool stays = rename_word(w, heir, &e.hi);
-        stays &= rename_word(w, heir, &e.lo);
+        bool stays = rename_word(w, edited, &e.hi);
+        stays &= rename_word(w, edited, &e.lo);
         e.hi |= kind;
         if (stays)
             list[found++] = e;
     }
     if (status == DRAPE_OK)
-        status = distribute(w, list, found);
-    arena_give(heir->old->arena, list);
+        status = distribute_kept(w, list, found);
+    arena_give(edited->old->arena, list);
     return status;
 }
 

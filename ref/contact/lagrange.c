@@ -27,8 +27,8 @@ static const real ANEW = R(0.5);  /* §4: of the least scale, what Newton's part
                                      may leave undone */
 static const real EARTH = R(9.81); /* §3.4: m/s², the least g of the scale */
 static const real STRUCK = R(0.5); /* §5: of g dt */
-static const real PRESS = R(1e4);  /* Pa, coulomb.md §1: the modulus of cloth
-                                      across  its thickness */
+static const real COLUMN_MODULUS = R(1e4); /* Pa, coulomb.md §1: the modulus of
+                                     cloth across  its thickness */
 
 /* The loop under way. */
 struct loop {
@@ -46,14 +46,14 @@ struct loop {
     int status;
 };
 
-static void note(struct loop *s, int status)
+static void note_status(struct loop *s, int status)
 {
     s->status = s->status == DRAPE_OK ? status : s->status;
 }
 
-static bool goes_on(const struct loop *s)
+static bool loop_continues(const struct loop *s)
 {
-    return s->status == DRAPE_OK && !s->w->sleep->roused;
+    return s->status == DRAPE_OK && !s->w->sleep->woken;
 }
 
 /* A part of the motion of all cloths that are awake. */
@@ -78,7 +78,7 @@ static void take_rest(struct world *w)
     }
 }
 
-static void meet(struct world *w, bool met)
+static void set_met(struct world *w, bool met)
 {
     for (int k = 0; k < w->def.n_cloths; k++) {
         w->sheet[k].dynamics.met = met;
@@ -89,7 +89,7 @@ static void meet(struct world *w, bool met)
 int lagrange_begin(struct world *w)
 {
     w->lagrange.begun = true;
-    meet(w, true);
+    set_met(w, true);
     int status = move_cloths(w, MOTION_OPEN);
     if (status != DRAPE_OK)
         return status;
@@ -111,7 +111,7 @@ static struct contact *contacts_of(const struct loop *s)
 
 /* The contacts' law at the iterate. lists: the contacts are others than before;
  * renews: multipliers are renewed first. */
-static void evaluate(struct loop *s, bool lists, bool renews)
+static void evaluate_contacts(struct loop *s, bool lists, bool renews)
 {
     struct world *w = s->w;
     struct coulomb *law = &s->a->law;
@@ -119,12 +119,12 @@ static void evaluate(struct loop *s, bool lists, bool renews)
     law->n4 = 4 * law->n;
     law->contact = contacts_of(s);
     law->rest = s->a->rest;
-    law->hold = s->a->hold[!s->a->held];
+    law->bound = s->a->bound[!s->a->held];
     law->lists = lists;
     law->renews = renews;
     s->fresh = true;
     s->a->renewals += renews;
-    note(s, w->run->coulomb(w->on, law));
+    note_status(s, w->run->coulomb(w->on, law));
     w->run->trace(w->on, w->tracing, "coulomb", law->force,
                   (size_t)law->nv * sizeof *law->force);
 }
@@ -133,8 +133,8 @@ static void evaluate(struct loop *s, bool lists, bool renews)
 static void close_contacts(struct loop *s)
 {
     s->a->law.closes = 1;
-    if (goes_on(s))
-        evaluate(s, false, false);
+    if (loop_continues(s))
+        evaluate_contacts(s, false, false);
     s->a->law.closes = 0;
 }
 
@@ -150,7 +150,7 @@ static void clear_asleep(const struct loop *s)
 
 /* The preconditioner, of the matrix at the iterate, if it is of another one;
  * §4: where springs are linearised anew, of theirs there. */
-static void precondition(struct loop *s)
+static void make_preconditioner(struct loop *s)
 {
     struct world *w = s->w;
     struct joint *j = &s->a->joint;
@@ -159,11 +159,11 @@ static void precondition(struct loop *s)
         return;
     s->fresh = false;
     if (s->a->newton)
-        note(s, move_cloths(w, MOTION_LINEARISE));
+        note_status(s, move_cloths(w, MOTION_LINEARISE));
     clear_asleep(s);
     s->a->held = !s->a->held;
-    j->hold = s->a->hold[s->a->held];
-    j->wall = law->wall;
+    j->bound = s->a->bound[s->a->held];
+    j->single = law->single;
     j->epoch = w->sleep->epoch;
     j->links = (struct links){.nv = law->nv,
                               .n = law->n,
@@ -173,16 +173,16 @@ static void precondition(struct loop *s)
                               .start = law->start,
                               .item = law->item,
                               .push = j->links.push};
-    if (goes_on(s))
-        note(s, w->run->joint_set_up(w, j));
+    if (loop_continues(s))
+        note_status(s, w->run->joint_set_up(w, j));
 }
 
 /* §3.4: the energy norm of a residual. */
-static real measure(struct loop *s, const vec *r)
+static real measure_residual(struct loop *s, const vec *r)
 {
     real value = 0;
-    if (goes_on(s))
-        note(s, s->w->run->joint_measure(s->w, &s->a->joint, r, &value));
+    if (loop_continues(s))
+        note_status(s, s->w->run->joint_measure(s->w, &s->a->joint, r, &value));
     if (!(value >= 0)) { /* rounding, or no number: the rounds go on */
         s->a->outcome |= DRAPE_UNCONVERGED;
         s->most = s->a->solves;
@@ -190,7 +190,8 @@ static real measure(struct loop *s, const vec *r)
     return value > 0 ? real_sqrt(value) : 0;
 }
 
-static real dot(struct loop *s, const vec *a, const vec *b, const real *weight)
+static real dot_streams(struct loop *s, const vec *a, const vec *b,
+                        const real *weight)
 {
     const struct joint *j = &s->a->joint;
     struct dot d = {.n = s->w->nc,
@@ -200,16 +201,16 @@ static real dot(struct loop *s, const vec *a, const vec *b, const real *weight)
                     .chunk = j->chunk,
                     .n_w = weight ? s->w->nc : 0,
                     .w = weight};
-    if (goes_on(s))
-        note(s, s->w->run->dot(s->w->on, &d));
+    if (loop_continues(s))
+        note_status(s, s->w->run->dot(s->w->on, &d));
     return d.value;
 }
 
 /* §3.4: what residuals are relative to. */
-static void weigh(struct loop *s)
+static void weigh_residuals(struct loop *s)
 {
     const vec *force = s->a->law.force;
-    real net = dot(s, force, force, s->w->w);
+    real net = dot_streams(s, force, force, s->w->w);
     s->least = real_sqrt((real)s->w->mass) * s->g_dt;
     s->scale = real_max(s->least, real_sqrt(net));
 }
@@ -218,7 +219,7 @@ static void weigh(struct loop *s)
 
 /* Moves along the solution by a part of it, to where `rest` and the law then
  * are. */
-static void shift(struct loop *s, real part)
+static void move_iterate(struct loop *s, real part)
 {
     struct world *w = s->w;
     const struct joint *j = &s->a->joint;
@@ -238,33 +239,33 @@ static void shift(struct loop *s, real part)
     s->moved = true;
     s->clean = false;
     if (s->a->newton) {
-        note(s, move_cloths(w, MOTION_BALANCE));
+        note_status(s, move_cloths(w, MOTION_BALANCE));
         take_rest(w);
     } else {
         w->run->lessen(w->on, w->nc, part, j->q, s->a->rest);
     }
-    if (goes_on(s))
-        evaluate(s, false, false);
+    if (loop_continues(s))
+        evaluate_contacts(s, false, false);
 }
 
 /* The slope of the potential along the solution. */
-static real slope(struct loop *s)
+static real potential_slope(struct loop *s)
 {
-    return -dot(s, s->a->law.inner, s->a->joint.dv, NULL);
+    return -dot_streams(s, s->a->law.inner, s->a->joint.dv, NULL);
 }
 
 /* A root of the slope between two places by regula falsi: where the whole step
  * goes too far. */
-static void search(struct loop *s, real from, real to)
+static void search_line(struct loop *s, real from, real to)
 {
     real low = 0, high = 1, at = 1, below = from, above = to;
-    for (int k = 0; k < TRIALS && goes_on(s); k++) {
+    for (int k = 0; k < TRIALS && loop_continues(s); k++) {
         real part = -below / (above - below);
         part = part > R(0.1) ? real_min(part, R(0.9)) : R(0.1);
         real next = low + (high - low) * part;
-        shift(s, next - at);
+        move_iterate(s, next - at);
         at = next;
-        real value = slope(s);
+        real value = potential_slope(s);
         if (!(real_abs(value) > SLOPE * -from))
             break;
         if (value > 0) {
@@ -277,17 +278,17 @@ static void search(struct loop *s, real from, real to)
     }
 }
 
-static void solve(struct loop *s)
+static void solve_step(struct loop *s)
 {
     struct lagrange *a = s->a;
     struct joint *j = &a->joint;
-    precondition(s);
+    make_preconditioner(s);
     j->b = a->law.inner;
     j->tolerance = FORCING;
     j->max_iterations = s->w->def.max_iterations;
-    if (!goes_on(s))
+    if (!loop_continues(s))
         return;
-    note(s, s->w->run->joint(s->w, j));
+    note_status(s, s->w->run->joint(s->w, j));
     s->w->run->trace(s->w->on, s->w->tracing, "joint", j->dv,
                      (size_t)s->w->nc * sizeof *j->dv);
     a->solves++;
@@ -298,11 +299,11 @@ static void solve(struct loop *s)
         s->most = a->solves; /* the rounds go on from here */
         return;
     }
-    real from = slope(s);
-    shift(s, 1);
-    real to = goes_on(s) ? slope(s) : 0;
+    real from = potential_slope(s);
+    move_iterate(s, 1);
+    real to = loop_continues(s) ? potential_slope(s) : 0;
     if (to > SLOPE * -from)
-        search(s, from, to);
+        search_line(s, from, to);
 }
 
 /* §2 */
@@ -315,7 +316,7 @@ static struct carry carry_of(const struct loop *s)
                           .n = w->response.active,
                           .n_kept = s->a->n_kept[0],
                           .w = w->w,
-                          .skin = w->response.skin,
+                          .surfaces = w->response.surfaces,
                           .dt = law->dt,
                           .tau = law->tau,
                           .stiffest = law->stiffest,
@@ -324,13 +325,13 @@ static struct carry carry_of(const struct loop *s)
 }
 
 /* Sets up the contacts of the active set that are new. */
-static void carry(struct loop *s)
+static void carry_multipliers(struct loop *s)
 {
     struct world *w = s->w;
     struct carry c = carry_of(s);
-    note(s, w->run->slice_room(w, c.n));
+    note_status(s, w->run->slice_room(w, c.n));
     if (s->status == DRAPE_OK)
-        note(s, w->run->carry(w->on, &c));
+        note_status(s, w->run->carry(w->on, &c));
     if (s->status != DRAPE_OK)
         return;
     w->run->trace(w->on, w->tracing, "carry", c.contact,
@@ -341,51 +342,51 @@ static void carry(struct loop *s)
 static bool find_met(struct loop *s)
 {
     struct response *c = &s->w->response;
-    note(s, response_detect(c));
+    note_status(s, response_detect(c));
     s->moved = false;
-    s->clean = goes_on(s) && c->hits == 0;
-    if (!goes_on(s) || s->clean)
+    s->clean = loop_continues(s) && c->hits == 0;
+    if (!loop_continues(s) || s->clean)
         return false;
-    note(s, response_join(c));
+    note_status(s, response_join(c));
     if (s->status == DRAPE_OK)
-        carry(s);
-    return goes_on(s);
+        carry_multipliers(s);
+    return loop_continues(s);
 }
 
 static void take_contacts(struct loop *s)
 {
-    if (!goes_on(s))
+    if (!loop_continues(s))
         return;
-    evaluate(s, true, false);
-    precondition(s);
+    evaluate_contacts(s, true, false);
+    make_preconditioner(s);
 }
 
 /* §4: whether linear springs have left much undone. From here on they are
  * linearised at each iterate. */
-static bool relinearises(struct loop *s)
+static bool needs_linearisation(struct loop *s)
 {
     struct world *w = s->w;
-    if (s->a->newton || s->a->solves == 0 || !goes_on(s))
+    if (s->a->newton || s->a->solves == 0 || !loop_continues(s))
         return false;
-    note(s, move_cloths(w, MOTION_BALANCE));
+    note_status(s, move_cloths(w, MOTION_BALANCE));
     take_rest(w);
-    if (goes_on(s))
-        evaluate(s, false, false);
-    if (!(measure(s, s->a->law.inner) > GROSS * s->scale))
+    if (loop_continues(s))
+        evaluate_contacts(s, false, false);
+    if (!(measure_residual(s, s->a->law.inner) > GROSS * s->scale))
         return false;
     s->a->newton = true;
     s->from = s->a->solves;
     s->most = s->from + NEWTONS;
-    return goes_on(s);
+    return loop_continues(s);
 }
 
 /* §3: false where the loop ends. */
-static bool iterate(struct loop *s)
+static bool iterate_loop(struct loop *s)
 {
     struct lagrange *a = s->a;
     bool loose = a->newton && s->w->plan.newton <= 1;
-    s->outer = measure(s, a->law.outer);
-    weigh(s);
+    s->outer = measure_residual(s, a->law.outer);
+    weigh_residuals(s);
     real enough = (real)s->w->def.tolerance * s->scale;
     if (loose)
         enough = real_max(enough, ANEW * s->least);
@@ -395,15 +396,15 @@ static bool iterate(struct loop *s)
     if (s->moved && (done || last || a->solves == s->from + 1) && find_met(s)) {
         take_contacts(s);
         if (!last)
-            return goes_on(s);
+            return loop_continues(s);
     }
     if (done || last)
-        return relinearises(s);
-    if (measure(s, a->law.inner) <= NESTED * s->outer)
-        evaluate(s, false, true);
-    if (goes_on(s))
-        solve(s);
-    return goes_on(s);
+        return needs_linearisation(s);
+    if (measure_residual(s, a->law.inner) <= NESTED * s->outer)
+        evaluate_contacts(s, false, true);
+    if (loop_continues(s))
+        solve_step(s);
+    return loop_continues(s);
 }
 
 static struct loop loop_of(struct world *w)
@@ -417,14 +418,14 @@ static struct loop loop_of(struct world *w)
                          .moved = true};
 }
 
-static void start(struct loop *s)
+static void start_loop(struct loop *s)
 {
     struct world *w = s->w;
     struct lagrange *a = s->a;
     bool past = w->plan.history && state_has_past(w);
     a->law.dt = (real)w->dt;
     a->law.tau = (real)(past ? w->dt * 2 / 3 : w->dt);
-    real column = PRESS * w->cell * w->cell * a->law.tau * a->law.tau;
+    real column = COLUMN_MODULUS * w->cell * w->cell * a->law.tau * a->law.tau;
     column = real_max(R(1e-30), real_min(column, R(1e30))); /* of any scale */
     a->law.reach = w->cell / 2;
     a->law.give = CARRY_RISE / column;
@@ -435,22 +436,22 @@ static void start(struct loop *s)
 }
 
 /* The contacts of the slice's start. True if there is something to solve. */
-static bool find_contacts(struct loop *s, const struct pairs *near)
+static bool find_contacts(struct loop *s, const struct pairs *close)
 {
     struct world *w = s->w;
     struct response *c = &w->response;
-    note(s, response_near(c, near));
+    note_status(s, response_find_close(c, close));
     if (s->status == DRAPE_OK)
-        carry(s);
-    if (w->lagrange.begun || !goes_on(s))
-        return goes_on(s);
+        carry_multipliers(s);
+    if (w->lagrange.begun || !loop_continues(s))
+        return loop_continues(s);
     bool met = find_met(s); /* the cloths have moved already */
-    if (!goes_on(s) || (!met && c->active == 0))
+    if (!loop_continues(s) || (!met && c->active == 0))
         return false;
-    meet(w, true);
-    note(s, move_cloths(w, MOTION_BALANCE));
+    set_met(w, true);
+    note_status(s, move_cloths(w, MOTION_BALANCE));
     take_rest(w);
-    return goes_on(s);
+    return loop_continues(s);
 }
 
 /* §5: the jump of what struck, and the velocities after it. The system is that
@@ -468,19 +469,19 @@ static void take_jump(struct loop *s, const struct retain *r)
                       .item = a->law.item,
                       .push = a->jump};
     w->run->jump(w->on, &m);
-    if (!(dot(s, a->jump, a->jump, NULL) > 0) || !goes_on(s))
+    if (!(dot_streams(s, a->jump, a->jump, NULL) > 0) || !loop_continues(s))
         return;
     j->b = a->jump;
-    j->hold = j->wall = a->bare;
+    j->bound = j->single = a->bare;
     j->links.n = j->links.n4 = 0;
     j->links.start = a->none;
     j->tolerance = (real)w->def.tolerance;
     j->max_iterations = w->def.max_iterations;
     clear_asleep(s);
-    note(s, w->run->joint_set_up(w, j));
-    if (goes_on(s))
-        note(s, w->run->joint(w, j));
-    if (!goes_on(s))
+    note_status(s, w->run->joint_set_up(w, j));
+    if (loop_continues(s))
+        note_status(s, w->run->joint(w, j));
+    if (!loop_continues(s))
         return;
     a->iterations += j->iterations;
     w->run->copy(w->on, a->jump, j->dv, (size_t)w->nc * sizeof *a->jump);
@@ -489,14 +490,14 @@ static void take_jump(struct loop *s, const struct retain *r)
 }
 
 /* §5: what the next slice carries on, and the velocities after impacts. */
-static void finish(struct loop *s)
+static void finish_loop(struct loop *s)
 {
     struct world *w = s->w;
     struct lagrange *a = s->a;
     struct pool *kept = &a->kept[1];
     int64_t n = w->response.active;
     if (n > kept->cap)
-        note(s, w->run->grow(w->on, kept, n, sizeof(struct kept), true));
+        note_status(s, w->run->grow(w->on, kept, n, sizeof(struct kept), true));
     struct retain r = {.nv = w->nv,
                        .n = n,
                        .w = w->w,
@@ -506,7 +507,7 @@ static void finish(struct loop *s)
                        .contact = contacts_of(s),
                        .kept = kept->data};
     if (s->status == DRAPE_OK)
-        note(s, w->run->retain(w->on, &r));
+        note_status(s, w->run->retain(w->on, &r));
     if (s->status != DRAPE_OK)
         return;
     w->run->trace(w->on, w->tracing, "retain", r.kept,
@@ -516,7 +517,7 @@ static void finish(struct loop *s)
     if (a->struck)
         take_jump(s, &r);
     lagrange_note(w);
-    note(s, move_cloths(w, MOTION_END));
+    note_status(s, move_cloths(w, MOTION_END));
     for (int k = 0; k < w->def.n_cloths; k++)
         if (sleep_awake(w, k))
             a->outcome |= w->sheet[k].dynamics.outcome;
@@ -538,22 +539,22 @@ void lagrange_note(struct world *w)
     w->run->copy(w->on, w->free_v, w->v1, bytes);
 }
 
-int lagrange_solve(void *user, const struct pairs *near)
+int lagrange_solve(void *user, const struct pairs *close)
 {
     struct world *w = user;
     struct loop s = loop_of(w);
     double begin = clock_now(), broad = w->broad_seconds;
-    start(&s);
-    if (find_contacts(&s, near)) {
+    start_loop(&s);
+    if (find_contacts(&s, close)) {
         s.a->solved = true;
         take_contacts(&s);
-        while (goes_on(&s) && iterate(&s))
+        while (loop_continues(&s) && iterate_loop(&s))
             ;
         close_contacts(&s);
         s.a->residual = s.scale > 0 ? (double)(s.outer / s.scale) : 0;
     }
-    if (goes_on(&s) && s.a->solved)
-        finish(&s);
+    if (loop_continues(&s) && s.a->solved)
+        finish_loop(&s);
     w->response.done = s.clean;
     w->lagrange.seconds += clock_now() - begin - (w->broad_seconds - broad);
     return s.status == DRAPE_OK ? w->run->status(w->on) : s.status;

@@ -14,7 +14,7 @@ struct lagrange {
     struct coulomb law;  /* its streams; contacts are the response's */
     struct joint joint;  /* the linear systems */
     vec *rest;           /* [nc] N·s, what the motion without contact lacks */
-    sym *hold[2];        /* [nv] kg, of law and of the preconditioner */
+    sym *bound[2];       /* [nv] kg, of law and of the preconditioner */
     int held;            /* which of them is the preconditioner's */
     vec *jump;           /* [nc] m/s, of struck contacts, §5; NULL: not kept */
     sym *bare;           /* [nv] 0: no contact's part, for the system of jump */
@@ -44,7 +44,7 @@ void lagrange_forget(struct world *w);
 int lagrange_begin(struct world *w);
 /* Response's solve; user is the world. near: pairs near at the slice's start.
  */
-int lagrange_solve(void *user, const struct pairs *near);
+int lagrange_solve(void *user, const struct pairs *close);
 /* Keeps the end of the motion for the past of BDF2 (implicit.md §4): what
  * rounds of impulses change then is a jump. */
 void lagrange_note(struct world *w);

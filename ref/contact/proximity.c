@@ -5,7 +5,7 @@
 
 #include "ref/narrow/closest.h"
 
-static int check(const struct proximity *s)
+static int check_input(const struct proximity *s)
 {
     if (!(s->dt > 0 && s->dt <= REAL_BIG && s->stiffness >= 0) ||
         !(s->range > 0 && s->range <= REAL_BIG))
@@ -20,8 +20,8 @@ static int check(const struct proximity *s)
     return DRAPE_OK;
 }
 
-static void measure(const struct proximity *s, int64_t k, struct wide x[4],
-                    struct closest *r)
+static void measure_pair(const struct proximity *s, int64_t k, struct wide x[4],
+                         struct closest *r)
 {
     for (int j = 0; j < 4; j++)
         x[j] = wide_of(s->x[s->pair[4 * k + j]]);
@@ -31,14 +31,16 @@ static void measure(const struct proximity *s, int64_t k, struct wide x[4],
         closest_ee(x, r);
 }
 
-/* The foot of pair k on a side. */
-static struct foot find_foot(const struct proximity *s, int64_t k, int side,
-                             const struct wide x[4], const struct closest *r)
+/* The closest point of pair k on a side. */
+static struct closest_point find_closest_point(const struct proximity *s,
+                                               int64_t k, int side,
+                                               const struct wide x[4],
+                                               const struct closest *r)
 {
     int kind = s->kind[k];
     struct wide p = side == SIDE_A ? wide_scale(-1, r->p) : r->p;
-    return foot_find(s->pair + 4 * k, side_start(kind, side),
-                     side_start(kind, side + 1), x, r->c, p);
+    return closest_point_find(s->pair + 4 * k, side_start(kind, side),
+                              side_start(kind, side + 1), x, r->c, p);
 }
 
 /* §3.3: whether the distance of a pair of free sides is the least around: no
@@ -50,23 +52,23 @@ static bool is_least(const struct proximity *s, int64_t k,
     struct places places = {.x0 = s->x};
     for (int side = s->kind[k] == CONTACT_VF ? SIDE_B : SIDE_A; side < SIDES;
          side++) {
-        struct foot f = find_foot(s, k, side, x, r);
-        if (!foot_is_nearest(&places, &s->fan, &f, FOOT_FREE))
+        struct closest_point f = find_closest_point(s, k, side, x, r);
+        if (!closest_point_is_local(&places, &s->one_rings, &f, CLOSEST_FREE))
             return false;
     }
     return true;
 }
 
-/* §3.2: the normal at a led side. False if the pair is no contact. */
-static bool led_normal(const struct proximity *s, int64_t k, int side,
-                       const struct wide x[4], const struct closest *r,
-                       struct wide *n)
+/* §3.2: the normal at a prescribed side. False if the pair is no contact. */
+static bool prescribed_normal(const struct proximity *s, int64_t k, int side,
+                              const struct wide x[4], const struct closest *r,
+                              struct wide *n)
 {
     struct places places = {.x0 = s->x};
-    struct foot f = find_foot(s, k, side, x, r);
-    if (foot_is_nearest(&places, &s->fan, &f, FOOT_LED))
+    struct closest_point f = find_closest_point(s, k, side, x, r);
+    if (closest_point_is_local(&places, &s->one_rings, &f, CLOSEST_PRESCRIBED))
         return true;
-    if (!foot_turn(&places, &s->fan, &f, 0.25, n))
+    if (!closest_point_normal(&places, &s->one_rings, &f, 0.25, n))
         return false;
     if (wide_dot(*n, r->p) < 0)
         *n = wide_scale(-1, *n);
@@ -74,17 +76,17 @@ static bool led_normal(const struct proximity *s, int64_t k, int side,
 }
 
 /* §3: the normal: along p, or the primitives' own normal where p is too short
- * to have a direction, or the led surface's where p is none of its normals.
- * False if the pair is no contact. */
+ * to have a direction, or the prescribed surface's where p is none of its
+ * normals. False if the pair is no contact. */
 static bool find_normal(const struct proximity *s, int64_t k,
                         const struct wide x[4], const struct closest *r,
                         struct wide *n)
 {
     struct wide p = closest_unit(r->p, wide_make(1, 0, 0));
-    int side = led_side(s->kind[k], s->pair + 4 * k, s->w);
+    int side = prescribed_side(s->kind[k], s->pair + 4 * k, s->w);
     *n = p;
     if (r->length2 > 0x1p-80 * r->size2)
-        return side < SIDES ? led_normal(s, k, side, x, r, n)
+        return side < SIDES ? prescribed_normal(s, k, side, x, r, n)
                             : is_least(s, k, x, r);
     *n = closest_unit(closest_normal(x, s->kind[k]), p);
     if (wide_dot(*n, r->p) < 0)
@@ -94,23 +96,24 @@ static bool find_normal(const struct proximity *s, int64_t k,
 
 /* §3.4: whether pair k stands for its closest points. Where these are on an
  * edge or at a vertex they are those of other pairs, too. */
-static bool stands(const struct proximity *s, int64_t k, const struct wide x[4],
-                   const struct closest *r)
+static bool stands_for_points(const struct proximity *s, int64_t k,
+                              const struct wide x[4], const struct closest *r)
 {
     const int32_t *v = s->pair + 4 * k;
     if (s->kind[k] == CONTACT_EE)
         return r->c[0] != 0 && r->c[1] != 0 && r->c[2] != 0 && r->c[3] != 0;
-    struct foot f = find_foot(s, k, SIDE_B, x, r);
-    return foot_is_first(&s->fan, &f, v + 1, v[0]);
+    struct closest_point f = find_closest_point(s, k, SIDE_B, x, r);
+    return closest_point_is_first(&s->one_rings, &f, v + 1, v[0]);
 }
 
-static bool is_near(const struct proximity *s, int64_t k)
+static bool is_close(const struct proximity *s, int64_t k)
 {
     struct wide x[4], n;
     struct closest r;
-    real reach = s->range * skin_pair(&s->skin, s->pair + 4 * k).thickness;
-    measure(s, k, x, &r);
-    return sqrt(r.length2) < (double)reach && stands(s, k, x, &r) &&
+    real reach =
+        s->range * surfaces_pair(&s->surfaces, s->pair + 4 * k).thickness;
+    measure_pair(s, k, x, &r);
+    return sqrt(r.length2) < (double)reach && stands_for_points(s, k, x, &r) &&
            find_normal(s, k, x, &r, &n);
 }
 
@@ -125,31 +128,32 @@ static real push_target(const struct proximity *s, const struct contact *c,
     return real_min(spring, R(0.1) * overlap / s->dt);
 }
 
-static void emit(const struct proximity *s, int64_t k, struct contact *c)
+static void emit_contact(const struct proximity *s, int64_t k,
+                         struct contact *c)
 {
     struct wide x[4], n;
     struct closest r;
     memcpy(c->v, s->pair + 4 * k, sizeof c->v);
     c->kind = s->kind[k];
-    struct surface skin = skin_pair(&s->skin, c->v);
-    measure(s, k, x, &r);
+    struct surface surface = surfaces_pair(&s->surfaces, c->v);
+    measure_pair(s, k, x, &r);
     closest_weights(&r, s->kind[k], c->c);
     find_normal(s, k, x, &r, &n);
     c->n = wide_round(n);
     c->gap = (real)wide_dot(n, r.p);
-    c->friction = skin.friction;
-    c->target = push_target(s, c, real_max(skin.thickness - c->gap, 0));
+    c->friction = surface.friction;
+    c->target = push_target(s, c, real_max(surface.thickness - c->gap, 0));
     contact_clear(c);
 }
 
 int ref_proximity(struct proximity *s)
 {
-    int status = check(s);
+    int status = check_input(s);
     if (status != DRAPE_OK)
         return status;
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++)
-        s->at[k] = is_near(s, k);
+        s->at[k] = is_close(s, k);
 
     s->found = 0;
     for (int64_t k = 0; k < s->n; k++) {
@@ -163,6 +167,6 @@ int ref_proximity(struct proximity *s)
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++)
         if (s->at[k] >= 0)
-            emit(s, k, &s->contact[s->at[k]]);
+            emit_contact(s, k, &s->contact[s->at[k]]);
     return DRAPE_OK;
 }

@@ -7,17 +7,17 @@
 #include "ref/contact/contact.h"
 
 struct proximity {
-    int64_t nv, n;       /* vertices, candidates; 4 n < 2^31 */
-    const int32_t *pair; /* [n][4] v f f f or a a b b */
-    const uint8_t *kind; /* [n] enum contact_kind */
-    const vec *x;        /* [nv] m, at the start of the step */
-    const real *w;       /* [nv] 1/kg, 0: led */
-    struct skin skin;    /* of the vertices */
-    struct fan fan;      /* the triangles around each vertex */
-    real dt;             /* s, > 0 */
-    real stiffness;      /* N/m, ≥ 0, of the repulsion spring, §4 */
-    real range;          /* > 0: pairs nearer than so many times their thickness
-                            are contacts */
+    int64_t nv, n;              /* vertices, candidates; 4 n < 2^31 */
+    const int32_t *pair;        /* [n][4] v f f f or a a b b */
+    const uint8_t *kind;        /* [n] enum contact_kind */
+    const vec *x;               /* [nv] m, at the start of the step */
+    const real *w;              /* [nv] 1/kg, 0: prescribed */
+    struct surfaces surfaces;   /* of the vertices */
+    struct one_rings one_rings; /* the triangles around each vertex */
+    real dt;                    /* s, > 0 */
+    real stiffness;             /* N/m, ≥ 0, of the repulsion spring, §4 */
+    real range; /* > 0: pairs nearer than so many times their thickness
+                   are contacts */
 
     int32_t *at;             /* scratch: [n] */
     int64_t cap;             /* capacity of contact, items */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The rounds of collision response, on either backend: what the host decides
+/* The rounds of collision response, on either backend: the host's decisions
  * from the counts that its stages give. spec/contact/response.md */
 #include "ref/contact/response.h"
 
@@ -115,13 +115,13 @@ static int64_t hits_cap(const struct response *s)
 }
 
 /* Fills hit with the pairs that touch, among those with a touched vertex. */
-static int detect(struct response *s, const uint8_t *touched)
+static int detect_hits(struct response *s, const uint8_t *touched)
 {
     struct pairs p;
     int status = s->broad(s->user, touched, &p);
     s->hits = 0;
     if (!touched)
-        s->started = s->led = 0;
+        s->started = s->prescribed = 0;
     if (status != DRAPE_OK || !p.n)
         return status;
     s->later += touched ? p.n : 0;
@@ -151,12 +151,13 @@ static int detect(struct response *s, const uint8_t *touched)
     s->impacts += m.found;
     if (!touched) {
         s->started = m.started;
-        s->led = m.led;
+        s->prescribed = m.prescribed;
     }
     return status;
 }
 
-/* A pool of contacts with neither the active set nor what `other` has. */
+/* The number of the pool of contacts that is neither the active set's nor
+ * `other`. */
 static int spare_side(const struct response *s, int other)
 {
     int side = 0;
@@ -165,8 +166,8 @@ static int spare_side(const struct response *s, int other)
     return side;
 }
 
-/* §4. What touches joins the active set, contact[side]. What the solve left
- * stays, for the list of contacts. */
+/* §4. Pairs that touch join the active set, contact[side]. The set that the
+ * solve left stays, for the list of contacts. */
 static int find_impulses(struct response *s)
 {
     int side = spare_side(s, s->solved);
@@ -179,8 +180,8 @@ static int find_impulses(struct response *s)
                          .w = s->w,
                          .x0 = s->x0,
                          .x1 = s->x1,
-                         .skin = s->skin,
-                         .fan = s->fan,
+                         .surfaces = s->surfaces,
+                         .one_rings = s->one_rings,
                          .dt = s->dt,
                          .margin = s->margin,
                          .n_active = s->active,
@@ -211,22 +212,22 @@ static int find_impulses(struct response *s)
 
 /* The pairs that are nearer than their thickness at x, as contacts in a pool.
  */
-static int find_contacts(struct response *s, const struct pairs *near,
+static int find_contacts(struct response *s, const struct pairs *close,
                          const vec *x, struct pool *out, int64_t *found)
 {
     struct proximity p = {.nv = s->nv,
-                          .n = near->n,
-                          .pair = near->pair,
-                          .kind = near->kind,
+                          .n = close->n,
+                          .pair = close->pair,
+                          .kind = close->kind,
                           .x = x,
                           .w = s->w,
-                          .skin = s->skin,
-                          .fan = s->fan,
+                          .surfaces = s->surfaces,
+                          .one_rings = s->one_rings,
                           .dt = s->dt,
                           .stiffness = s->stiffness,
                           .range = s->range};
-    int status =
-        response_grow(s, 1, &(struct pool_need){&s->at, near->n, sizeof *p.at});
+    int status = response_grow(
+        s, 1, &(struct pool_need){&s->at, close->n, sizeof *p.at});
     if (status != DRAPE_OK)
         return status;
     p.at = s->at.data;
@@ -245,7 +246,7 @@ static int find_contacts(struct response *s, const struct pairs *near,
 
 int response_detect(struct response *s)
 {
-    return detect(s, NULL);
+    return detect_hits(s, NULL);
 }
 
 int response_join(struct response *s)
@@ -253,33 +254,33 @@ int response_join(struct response *s)
     return find_impulses(s);
 }
 
-int response_near(struct response *s, const struct pairs *near)
+int response_find_close(struct response *s, const struct pairs *close)
 {
-    s->near = near->n;
+    s->close = close->n;
     s->hits = 0;
-    if (!near->n)
+    if (!close->n)
         return DRAPE_OK;
     int status =
-        find_contacts(s, near, s->x0, &s->contact[s->side], &s->contacts);
+        find_contacts(s, close, s->x0, &s->contact[s->side], &s->contacts);
     s->active = s->contacts;
     /* without impacts this orders them */
     return status == DRAPE_OK && s->active ? find_impulses(s) : status;
 }
 
-int response_repel(struct response *s, const struct pairs *near)
+int response_repel(struct response *s, const struct pairs *close)
 {
-    s->near = near->n;
-    if (!near->n)
+    s->close = close->n;
+    if (!close->n)
         return DRAPE_OK;
     int status =
-        find_contacts(s, near, s->x0, &s->contact[s->side], &s->contacts);
+        find_contacts(s, close, s->x0, &s->contact[s->side], &s->contacts);
     return status == DRAPE_OK && s->contacts ? solve_contacts(s, s->contacts, 0)
                                              : status;
 }
 
 /* §4 */
 
-static int push(struct response *s)
+static int push_hits(struct response *s)
 {
     int status = find_impulses(s);
     if (status != DRAPE_OK)
@@ -293,37 +294,37 @@ static int push(struct response *s)
     return solve_contacts(s, s->active, warm);
 }
 
-static int resolve(struct response *s, int round)
+static int resolve_round(struct response *s, int round)
 {
     int rolls = round - s->max_rounds - s->zone_rounds;
     if (rolls >= 0)
         return failsafe_rollback(s, rolls);
     s->run->clear(s->on, s->touched, (size_t)s->nv);
     s->run->touch(s->on, s);
-    return round < s->max_rounds ? push(s) : failsafe_zones(s);
+    return round < s->max_rounds ? push_hits(s) : failsafe_zones(s);
 }
 
 int response_penetrate(struct response *s)
 {
     if (!s->solves)
-        s->active = 0; /* what repulsion left there is done */
+        s->active = 0; /* the contacts of repulsion are not used again */
     s->solved = s->side;
     s->n_solved = s->active;
     s->rounds = 1;
-    int status = s->done ? DRAPE_OK : detect(s, NULL);
+    int status = s->done ? DRAPE_OK : detect_hits(s, NULL);
     s->hits = s->done ? 0 : s->hits;
     for (int round = 0; status == DRAPE_OK && s->hits > 0; round++) {
         if (s->stop_before_zones && round >= s->max_rounds) {
             s->outcome |= DRAPE_ZONES;
             break;
         }
-        status = resolve(s, round);
+        status = resolve_round(s, round);
         if (status != DRAPE_OK || s->hits == 0)
             break;
-        status = detect(s, s->touched);
+        status = detect_hits(s, s->touched);
         s->rounds++;
     }
-    if (s->started || s->led)
+    if (s->started || s->prescribed)
         s->outcome |= DRAPE_TRAPPED;
     return status;
 }

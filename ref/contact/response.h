@@ -10,14 +10,14 @@
 int response_start(struct response *s);
 
 /* Makes the active set of the pairs near at x0, by key. */
-int response_near(struct response *s, const struct pairs *near);
+int response_find_close(struct response *s, const struct pairs *close);
 /* Finds all pairs that touch between x0 and x1: hits. */
 int response_detect(struct response *s);
 /* The hits join the active set. */
 int response_join(struct response *s);
 
 /* Repulsion and friction of the candidates at x0; u, v, x1 change. */
-int response_repel(struct response *s, const struct pairs *near);
+int response_repel(struct response *s, const struct pairs *close);
 
 /* Impulses, zones and rollback until nothing touches; u, v, x1 change.
  * outcome has DRAPE_TRAPPED if something does all the same, and DRAPE_ZONES

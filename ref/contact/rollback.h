@@ -9,7 +9,7 @@
 struct rollback {
     int64_t nv, n;       /* vertices, pairs */
     const int32_t *pair; /* [n][4] the pairs that touch */
-    const real *w;       /* [nv] 1/kg, ≥ 0; 0: led */
+    const real *w;       /* [nv] 1/kg, ≥ 0; 0: prescribed */
     const vec *x0;       /* [nv] m, start of the step */
     int all;             /* 1: if any vertex goes back, all free ones do */
     vec *x1;             /* in, out: [nv] m, end of the step */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a round of collision response computes between its stages.
+/* The loops of a round of collision response between its stages.
  * spec/contact/response.md */
 #include "ref/contact/rounds.h"
 
@@ -39,7 +39,7 @@ void rounds_settle(const struct response *s, struct contact *contact)
     EACH_ITEM
     for (int64_t k = 0; k < s->active; k++) {
         struct contact *c = &contact[k];
-        real keep = s->margin * skin_pair(&s->skin, c->v).thickness;
+        real keep = s->margin * surfaces_pair(&s->surfaces, c->v).thickness;
         c->target = real_min(c->target, (keep - c->gap) / s->dt);
     }
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Collision response in rounds: its state, what the reference computes in a
+/* Collision response in rounds: its state, the loops of the reference in a
  * round between the stages, and the last rounds, which always end.
  * spec/contact/response.md */
 #ifndef REF_ROUNDS_H
@@ -20,23 +20,23 @@ struct pairs {
 /* All streams and pools lie in the memory of the backend. */
 struct response {
     const struct backend *run;
-    void *on; /* the backend's own */
+    void *on; /* the first argument of the backend's functions */
 
     int64_t nv;
-    const real *w;    /* [nv] 1/kg, ≥ 0; 0: led, x1 and v as they are told */
-    struct skin skin; /* of the vertices */
-    struct fan fan;   /* the triangles around each vertex */
-    const vec *x0;    /* [nv] m, start of the step; nothing touches there */
-    vec *x1, *v;      /* in, out: [nv] m and m/s, end of the step */
-    real dt;          /* s, > 0 */
-    real stiffness;   /* N/m, ≥ 0, of the push apart in proximity */
-    real range;       /* > 0: pairs nearer than so many times their thickness
-                         are contacts */
-    real margin;      /* of its thickness that an impact shall leave, ≥ 0 */
-    int iterations;   /* of contacts in an early round, ≥ 0 */
-    int max_rounds;   /* of impulses, ≥ 0 */
-    int zone_rounds;  /* ≥ 0, after those */
-    int roll_rounds;  /* ≥ 0: of growing rollback before all go back */
+    const real *w; /* [nv] 1/kg, ≥ 0; 0: prescribed, x1 and v stay */
+    struct surfaces surfaces;   /* of the vertices */
+    struct one_rings one_rings; /* the triangles around each vertex */
+    const vec *x0;   /* [nv] m, start of the step; nothing touches there */
+    vec *x1, *v;     /* in, out: [nv] m and m/s, end of the step */
+    real dt;         /* s, > 0 */
+    real stiffness;  /* N/m, ≥ 0, of the push apart in proximity */
+    real range;      /* > 0: pairs nearer than so many times their thickness
+                        are contacts */
+    real margin;     /* of its thickness that an impact shall leave, ≥ 0 */
+    int iterations;  /* of contacts in an early round, ≥ 0 */
+    int max_rounds;  /* of impulses, ≥ 0 */
+    int zone_rounds; /* ≥ 0, after those */
+    int roll_rounds; /* ≥ 0: of growing rollback before all go back */
     bool stop_before_zones; /* end where zones would begin: the step is tried
                                anew */
 
@@ -65,15 +65,16 @@ struct response {
     int64_t contacts;   /* out: pairs in proximity */
     int64_t impacts;    /* out: pairs that touched, all rounds */
     int64_t candidates; /* out: given to the narrow phase, all rounds */
-    int64_t near;       /* out: given to proximity */
+    int64_t close;      /* out: given to proximity */
     int64_t later;      /* out: of candidates, those of later rounds */
     int narrow;         /* out: detections that had a candidate */
     int64_t zone_vertices, rolled_back; /* out: of the last zones; all */
-    int64_t started, led; /* out: pairs that touch at the start, and pairs
-                             without a free vertex that touch: left alone */
-    int outcome;          /* out: or of enum drape_outcome */
+    int64_t started,
+        prescribed; /* out: pairs that touch at the start, and pairs
+                without a free vertex that touch: left alone */
+    int outcome;    /* out: or of enum drape_outcome */
 
-    int64_t hits, active, tangled; /* what the pools hold */
+    int64_t hits, active, tangled; /* items in the pools */
     int side, tangle_side;         /* which of the pools */
     int solved;                    /* the pool of the contacts that the last
                                       solve left, as it left them */
@@ -95,8 +96,8 @@ static inline void response_reset(struct response *s)
 {
     s->rounds = s->outcome = s->side = s->solved = s->tangle_side = 0;
     s->contacts = s->impacts = s->candidates = 0;
-    s->near = s->later = s->narrow = 0;
-    s->started = s->led = 0;
+    s->close = s->later = s->narrow = 0;
+    s->started = s->prescribed = 0;
     s->zone_vertices = s->rolled_back = 0;
     s->hits = s->active = s->n_solved = s->tangled = 0;
     s->contacts_solved = s->done = false;
@@ -105,14 +106,14 @@ static inline void response_reset(struct response *s)
 /* The stiffness of repulsion, of the largest stretch of a cloth. */
 #define RESPONSE_SOFT R(0.1)
 
-/* What a pool must hold. */
+/* The items that a pool must have room for. */
 struct pool_need {
     struct pool *pool;
     int64_t need;
     size_t size; /* bytes of an item */
 };
 
-/* Makes the n pools hold what they must, until the next solve. DRAPE_OK or
+/* Gives the n pools room for these items, until the next solve. DRAPE_OK or
  * DRAPE_ENOMEM. */
 static inline int response_grow(const struct response *s, int n,
                                 const struct pool_need *pool_need)

@@ -5,7 +5,7 @@
 #include "ref/base/sum.h"
 #include "ref/world/state.h"
 
-static void *take(struct world *w, int64_t n, size_t size)
+static void *take_stream(struct world *w, int64_t n, size_t size)
 {
     return arena_take(w->arena, ARENA_RESPONSE, n, size);
 }
@@ -13,12 +13,12 @@ static void *take(struct world *w, int64_t n, size_t size)
 static void make_joint(struct world *w, struct joint *s)
 {
     s->nc = w->nc;
-    s->r = take(w, w->nv, sizeof *s->r);
-    s->q = take(w, w->nv, sizeof *s->q);
-    s->p = take(w, w->nv, sizeof *s->p);
-    s->dv = take(w, w->nv, sizeof *s->dv);
+    s->r = take_stream(w, w->nv, sizeof *s->r);
+    s->q = take_stream(w, w->nv, sizeof *s->q);
+    s->p = take_stream(w, w->nv, sizeof *s->p);
+    s->dv = take_stream(w, w->nv, sizeof *s->dv);
     s->n_chunks = sum_chunks(w->nc);
-    s->chunk = take(w, 3 * s->n_chunks, sizeof *s->chunk);
+    s->chunk = take_stream(w, 3 * s->n_chunks, sizeof *s->chunk);
 }
 
 int unknowns_make(struct world *w)
@@ -31,17 +31,17 @@ int unknowns_make(struct world *w)
     s->w = w->w;
     s->u = w->response.u;
     s->start = w->response.start;
-    s->force = take(w, w->nv, sizeof *s->force);
-    s->inner = take(w, w->nc, sizeof *s->inner);
-    s->outer = take(w, w->nc, sizeof *s->outer);
-    s->wall = take(w, w->nv, sizeof *s->wall);
-    a->rest = take(w, w->nc, sizeof *a->rest);
+    s->force = take_stream(w, w->nv, sizeof *s->force);
+    s->inner = take_stream(w, w->nc, sizeof *s->inner);
+    s->outer = take_stream(w, w->nc, sizeof *s->outer);
+    s->single = take_stream(w, w->nv, sizeof *s->single);
+    a->rest = take_stream(w, w->nc, sizeof *a->rest);
     for (int k = 0; k < 2; k++)
-        a->hold[k] = take(w, w->nv, sizeof *a->hold[k]);
+        a->bound[k] = take_stream(w, w->nv, sizeof *a->bound[k]);
     if (w->plan.history) {
-        a->jump = take(w, w->nc, sizeof *a->jump);
-        a->bare = take(w, w->nv, sizeof *a->bare);
-        a->none = take(w, w->nv + 1, sizeof *a->none);
+        a->jump = take_stream(w, w->nc, sizeof *a->jump);
+        a->bare = take_stream(w, w->nv, sizeof *a->bare);
+        a->none = take_stream(w, w->nv + 1, sizeof *a->none);
     }
     make_joint(w, &a->joint);
     return w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
@@ -58,10 +58,10 @@ int unknowns_room(struct world *w, int64_t n)
     arena_give(w->arena, s->next);
     arena_give(w->arena, a->joint.links.push);
     int64_t cap = n + n / 4 + 64;
-    s->item = take(w, 4 * cap, sizeof *s->item);
-    s->vertex = take(w, 4 * cap, sizeof *s->vertex);
-    s->next = take(w, cap, sizeof *s->next);
-    a->joint.links.push = take(w, cap, sizeof(vec));
+    s->item = take_stream(w, 4 * cap, sizeof *s->item);
+    s->vertex = take_stream(w, 4 * cap, sizeof *s->vertex);
+    s->next = take_stream(w, cap, sizeof *s->next);
+    a->joint.links.push = take_stream(w, cap, sizeof(vec));
     a->cap = w->arena->failed ? 0 : cap;
     return w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
 }

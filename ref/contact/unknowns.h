@@ -20,19 +20,19 @@ struct shift {
     uint8_t *touched; /* out: 1 where w > 0 */
 };
 
-/* §5: what struck contacts changed of the velocity of each particle. */
+/* §5: the change of each particle's velocity by the contacts that struck. */
 struct jumps {
     int64_t count;
     const real *w;                 /* [count] 1/kg, 0: fixed */
     const struct contact *contact; /* [n] */
     const struct kept *kept;       /* [n] of stage retain: 0 where it struck */
     const int32_t *start, *item;   /* their lists, of stage coulomb */
-    vec *push;                     /* out: [count] N·s, what struck it */
+    vec *push; /* out: [count] N·s, the impulse of contacts that struck it */
 };
 
 /* Takes the streams of w->lagrange. DRAPE_OK or DRAPE_ENOMEM. */
 int unknowns_make(struct world *w);
-/* Takes what n contacts need. DRAPE_OK or DRAPE_ENOMEM. */
+/* Takes the memory that n contacts need. DRAPE_OK or DRAPE_ENOMEM. */
 int unknowns_room(struct world *w, int64_t n);
 void unknowns_shift(const struct shift *s);
 void unknowns_jump(const struct jumps *s);

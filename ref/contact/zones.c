@@ -24,7 +24,7 @@ static int32_t least_label(const struct zones *s, int64_t k)
 }
 
 /* Lowers *label to `to`. True: it was larger. */
-static bool lower(int32_t *label, int32_t to)
+static bool lower_label(int32_t *label, int32_t to)
 {
     bool lowers = to < *label;
     if (lowers)
@@ -32,9 +32,9 @@ static bool lower(int32_t *label, int32_t to)
     return lowers;
 }
 
-/* One turn of labels: each free vertex, and the vertex that its label names,
- * take the pair's smallest label; then each vertex takes its label's label.
- * True: a label changed. */
+/* One iteration of labels: each free vertex, and the vertex that its label
+ * names, take the pair's smallest label; then each vertex takes its label's
+ * label. True: a label changed. */
 static bool spread_labels(struct zones *s)
 {
     bool changed = false;
@@ -43,13 +43,13 @@ static bool spread_labels(struct zones *s)
         if (!is_free(s, i))
             continue;
         int32_t least = least_label(s, k / 4);
-        changed |= lower(&s->label[s->label[i]], least);
-        changed |= lower(&s->label[i], least);
+        changed |= lower_label(&s->label[s->label[i]], least);
+        changed |= lower_label(&s->label[i], least);
     }
     for (int64_t k = 0; k < s->n4; k++) {
         int32_t i = s->pair[k];
         if (is_free(s, i))
-            changed |= lower(&s->label[i], s->label[s->label[i]]);
+            changed |= lower_label(&s->label[i], s->label[s->label[i]]);
     }
     return changed;
 }
@@ -92,7 +92,7 @@ static struct zone_sum sum_add(const struct zone_sum *p,
 }
 
 /* Sums n members pairwise, as a tree whose shape depends on n alone. */
-static struct zone_sum tree(struct zone_sum *sum, int64_t n)
+static struct zone_sum sum_members(struct zone_sum *sum, int64_t n)
 {
     for (int64_t step = 1; step < n; step *= 2)
         for (int64_t k = 0; k + step < n; k += 2 * step)
@@ -100,18 +100,18 @@ static struct zone_sum tree(struct zone_sum *sum, int64_t n)
     return sum[0];
 }
 
-/* The mass with which vertex i counts in zone z: led vertices alone where the
- * zone has any. */
+/* The mass with which vertex i counts in zone z: prescribed vertices alone
+ * where the zone has any. */
 static real mass_of(const struct zones *s, const struct zone *z, int32_t i)
 {
-    if (z->led)
+    if (z->prescribed)
         return is_free(s, i) ? 0 : 1;
     return 1 / s->w[i];
 }
 
 /* The share of vertex i in the sums of centre and velocity. */
-static struct zone_sum linear(const struct zones *s, const struct zone *z,
-                              int32_t i)
+static struct zone_sum linear_part(const struct zones *s, const struct zone *z,
+                                   int32_t i)
 {
     real m = mass_of(s, z, i);
     struct zone_sum r = {m,
@@ -128,12 +128,12 @@ static vec arm_of(const struct zones *s, const struct zone *z, int32_t i)
 }
 
 /* The share of vertex i in the sums of angular momentum and inertia. */
-static struct zone_sum angular(const struct zones *s, const struct zone *z,
-                               int32_t i)
+static struct zone_sum angular_part(const struct zones *s, const struct zone *z,
+                                    int32_t i)
 {
     real m = mass_of(s, z, i);
     vec r = arm_of(s, z, i), d = vec_sub(s->u[i], z->velocity);
-    if (z->led) /* §3.4: the middle of the chord */
+    if (z->prescribed) /* §3.4: the middle of the chord */
         r = vec_axpy(r, R(0.5) * s->dt, d);
     vec mr = vec_scale(m, r), l = vec_cross(mr, d);
     struct zone_sum sum = {m,
@@ -172,24 +172,24 @@ static void find_motion(struct zones *s, struct zone *z,
 {
     struct zone_sum *sum = s->sum + z->first;
     int64_t n = z->end - z->first;
-    z->led = false;
+    z->prescribed = false;
     z->base = s->x0[member[0].lo];
     for (int64_t k = 0; k < n; k++)
-        z->led |= !is_free(s, (int32_t)member[k].lo);
+        z->prescribed |= !is_free(s, (int32_t)member[k].lo);
     for (int64_t k = 0; k < n; k++)
-        sum[k] = linear(s, z, (int32_t)member[k].lo);
-    struct zone_sum all = tree(sum, n);
+        sum[k] = linear_part(s, z, (int32_t)member[k].lo);
+    struct zone_sum all = sum_members(sum, n);
     z->centre = vec_scale(1 / all.m, all.a);
     z->velocity = vec_scale(1 / all.m, all.b);
     for (int64_t k = 0; k < n; k++)
-        sum[k] = angular(s, z, (int32_t)member[k].lo);
-    all = tree(sum, n);
+        sum[k] = angular_part(s, z, (int32_t)member[k].lo);
+    all = sum_members(sum, n);
     z->spin = spin_of(all.i, all.a);
     /* §3.2: at most a quarter turn */
     vec half = vec_scale(R(0.5) * s->dt, z->spin);
-    real turn = vec_dot(half, half);
-    if (turn > 1)
-        z->spin = vec_scale(1 / real_sqrt(turn), z->spin);
+    real rotation = vec_dot(half, half);
+    if (rotation > 1)
+        z->spin = vec_scale(1 / real_sqrt(rotation), z->spin);
 }
 
 /* The mean velocity that moves vertex i with zone z through the step. */
@@ -197,9 +197,9 @@ static vec rigid_velocity(const struct zones *s, const struct zone *z,
                           int32_t i)
 {
     vec half = vec_scale(R(0.5) * s->dt, z->spin);
-    vec turn = vec_cross(z->spin, arm_of(s, z, i));
-    turn = vec_add(turn, vec_cross(half, turn));
-    return vec_axpy(z->velocity, 1 / (1 + vec_dot(half, half)), turn);
+    vec rotation = vec_cross(z->spin, arm_of(s, z, i));
+    rotation = vec_add(rotation, vec_cross(half, rotation));
+    return vec_axpy(z->velocity, 1 / (1 + vec_dot(half, half)), rotation);
 }
 
 int ref_zones(struct zones *s)

@@ -9,14 +9,14 @@
 
 /* The sums of a zone, or a member's share of them, §2. */
 struct zone_sum {
-    real m;   /* kg, or a count of led members */
+    real m;   /* kg, or a count of prescribed members */
     vec a, b; /* Σ m x, Σ m u; then a = L */
     sym i;    /* kg·m², inertia */
 };
 
 struct zone {
     int64_t first, end; /* its members in the sorted list */
-    bool led;           /* the zone has a led member */
+    bool prescribed;    /* the zone has a prescribed member */
     vec base;           /* m, position of the first member */
     vec centre;         /* m, of mass, relative to base */
     vec velocity;       /* m/s */
@@ -26,7 +26,7 @@ struct zone {
 struct zones {
     int64_t nv, n;       /* vertices, pairs; 4 n < 2^31 */
     const int32_t *pair; /* [n][4] pairs that touched since impulses ended */
-    const real *w;       /* [nv] 1/kg, ≥ 0; 0: led */
+    const real *w;       /* [nv] 1/kg, ≥ 0; 0: prescribed */
     const vec *x0;       /* [nv] m, start of the step */
     real dt;             /* s, > 0 */
     vec *u;              /* in, out: [nv] m/s mean velocity of the step */

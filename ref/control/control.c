@@ -3,14 +3,15 @@
  * backend. spec/control/control.md §1, §2 */
 #include "ref/control/control.h"
 
-#include "ref/api/ops.h"
-#include "ref/control/air.h"
+#include "ref/base/change.h"
 #include "ref/sleep/sleep.h"
+#include "ref/world/air.h"
 #include "ref/world/ending.h"
 #include "ref/world/start.h"
 
 /* Copies a stream that changed on the host to the backend's own. */
-static void resend(struct world *w, void *to, const void *from, size_t bytes)
+static void resend_stream(struct world *w, void *to, const void *from,
+                          size_t bytes)
 {
     if (to != from)
         w->run->send(w->on, to, from, bytes);
@@ -37,8 +38,9 @@ int control_wind(struct world *w, const drape_wind *wind)
     return DRAPE_OK;
 }
 
-/* Sets what the scene derives from all cloths, as fill.c and wire.c do. */
-static void derive(struct world *w)
+/* Sets the numbers of the scene that depend on all cloths, as fill.c and
+ * connect.c do. */
+static void derive_from_cloths(struct world *w)
 {
     const struct world *h = w->home;
     w->reach = w->response.stiffness = 0;
@@ -74,12 +76,12 @@ void control_tell_cloth(struct world *w, int k)
         s->cloth.mass = own.mass;
         s->cloth.tri = own.tri;
     }
-    resend(w, s->cloth.fixed, c->fixed, n * sizeof *c->fixed);
-    resend(w, s->cloth.mass, c->mass, n * sizeof *c->mass);
+    resend_stream(w, s->cloth.fixed, c->fixed, n * sizeof *c->fixed);
+    resend_stream(w, s->cloth.mass, c->mass, n * sizeof *c->mass);
     sleep_weigh(w, k);
-    resend(w, w->surface + k, h->surface + k, sizeof *w->surface);
+    resend_stream(w, w->surface + k, h->surface + k, sizeof *w->surface);
     w->run->laws(w->on, s);
-    derive(w);
+    derive_from_cloths(w);
 }
 
 int control_material(struct world *w, int cloth, const drape_material *m)
@@ -107,13 +109,13 @@ int control_material(struct world *w, int cloth, const drape_material *m)
 
 /* §2 */
 
-/* Makes the world forget what earlier steps have taught, as if it were made in
- * the state that it has. */
-static void restart(struct world *w)
+/* Makes the world forget all that follows from earlier steps, as if it were
+ * made in the state that it has. */
+static void forget_history(struct world *w)
 {
     w->lagrange.n_kept[0] = w->lagrange.n_resting = 0;
     w->past = 0;
-    w->near = NEAR_NONE;
+    w->nearness = NEAR_NONE;
     w->list.known = false;
     sleep_wake(w);
 }
@@ -136,11 +138,11 @@ int control_take(struct world *w, struct given a, int64_t n, vec *stage,
     }
     if (!sane)
         return DRAPE_EDATA;
-    resend(w, to, stage, bytes);
+    resend_stream(w, to, stage, bytes);
     return DRAPE_OK;
 }
 
-/* Puts back what the caller cannot set: the entries of a, within vertices first
+/* Puts back the entries of a that the caller cannot set, within vertices first
  * … first + n - 1, of particles that are fixed. */
 static void keep_fixed(struct world *w, int64_t first, int64_t n,
                        const vec *old, vec *a)
@@ -197,7 +199,7 @@ int control_positions(struct world *w, int64_t first, int64_t n, struct given x,
     w->x0 = w->x1;
     w->x1 = old;
     w->intersecting = found;
-    restart(w);
+    forget_history(w);
     return DRAPE_OK;
 }
 
@@ -211,7 +213,7 @@ int control_velocities(struct world *w, int64_t first, int64_t n,
     keep_fixed(w, first, n, w->v0, w->v1);
     w->run->copy(w->on, w->v0 + first, w->v1 + first,
                  (size_t)n * sizeof *w->v0);
-    restart(w);
+    forget_history(w);
     return w->run->status(w->on);
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Live control: what the caller changes between two steps, for either backend.
+/* Live control: the caller's changes between two steps, for either backend.
  * Arguments that need no world to be checked have been checked.
  * spec/control/control.md */
 #ifndef REF_CONTROL_H
@@ -48,21 +48,21 @@ void control_end(struct world *w, bool failed);
 int64_t control_pack(const struct world *w, uint8_t *out);
 /* Whether a part of this size, which anybody may have made, fits the world. */
 bool control_fits(const struct world *w, const uint8_t *in, int64_t bytes);
-/* Whether a part that fits says that the caller leads an obstacle. */
-bool control_told(const struct world *w, const uint8_t *in, int64_t bytes,
-                  int obstacle);
+/* Whether a part that fits says that the caller moves an obstacle. */
+bool control_is_targeted(const struct world *w, const uint8_t *in,
+                         int64_t bytes, int obstacle);
 /* The largest size of a part that can fit. */
 int64_t control_most(const struct world *w);
 /* Makes the world as the part says; bytes: 0 for a world as defined. The part
- * fits. to: [nv] on the host, targets that were told for the next step, or
+ * fits. to: [nv] on the host, targets that were set for the next step, or
  * NULL; x: [nv] on the host, the state. DRAPE_OK, or DRAPE_ENOMEM and nothing
  * has changed; DRAPE_EDATA if a material does not go with the cloth. */
 int control_unpack(struct world *w, const uint8_t *in, int64_t bytes,
                    const vec *to, const vec *x);
 
-/* §9.2: makes an heir, which has the state of the old world, as that was
- * changed. DRAPE_OK, DRAPE_ENOMEM or DRAPE_EDEVICE. */
-int control_inherit(struct world *w, const struct heir *heir);
+/* §9.2: makes an edited world, which has the state of the old world, as that
+ * was changed. DRAPE_OK, DRAPE_ENOMEM or DRAPE_EDEVICE. */
+int control_inherit(struct world *w, const struct edited *edited);
 
 #define CONTROL_OPS                                                            \
     {                                                                          \
@@ -75,19 +75,19 @@ int control_inherit(struct world *w, const struct heir *heir);
 
 /* Takes the streams of §3. Some may have been taken by an earlier call that
  * then ran out of memory. DRAPE_OK or DRAPE_ENOMEM. */
-int control_take_told(struct world *w);
-/* Fills fixed [count] with what is missing and with n pins. DRAPE_OK, or
+int control_take_targets(struct world *w);
+/* Marks in fixed [count] the missing particles and n pins. DRAPE_OK, or
  * DRAPE_EARG for a particle that is out of range, missing or named twice. */
 int control_mark(const struct cloth *c, int64_t n, const int32_t *particle,
                  uint8_t *fixed);
 /* Takes the streams of n pins and copies their particles. DRAPE_OK or
  * DRAPE_ENOMEM. */
-int control_make_hand(struct world *w, int64_t n, const int32_t *particle,
-                      struct hand *hand);
-void control_drop_hand(struct world *w, struct hand *hand);
+int control_make_pins(struct world *w, int64_t n, const int32_t *particle,
+                      struct caller_pins *pins);
+void control_drop_pins(struct world *w, struct caller_pins *pins);
 
-/* Brings what stages read of cloth k, which changed on the host, up to date,
- * and what the scene derives from it. */
+/* Brings the streams of cloth k, which changed on the host, up to date,
+ * and the numbers of the scene that depend on them. */
 void control_tell_cloth(struct world *w, int k);
 /* Converts n given vectors into `to`, a stream of the backend, through the
  * host's stream `stage`, or takes `old` if none are given. DRAPE_OK or

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Makes the list of the last slice's contacts. The host makes it for both
- * backends, from what the solve and the rounds have left.
+ * backends, from the contacts that the solve and the rounds have left.
  * spec/control/control.md §8 */
 #include "ref/control/list.h"
 
@@ -12,16 +12,16 @@ static int bodies_of(const struct world *w)
     return w->def.n_cloths + w->def.n_obstacles;
 }
 
-static void *take(struct world *w, int64_t n, size_t size)
+static void *take_array(struct world *w, int64_t n, size_t size)
 {
     return arena_take(w->arena, ARENA_OTHER, n, size);
 }
 
 /* Gives back *p and takes n items with a reserve. False: no memory. */
-static bool grow(struct world *w, void **p, int64_t n, size_t size)
+static bool grow_array(struct world *w, void **p, int64_t n, size_t size)
 {
     arena_give(w->arena, *p);
-    *p = take(w, n + n / 4 + 64, size);
+    *p = take_array(w, n + n / 4 + 64, size);
     return *p != NULL;
 }
 
@@ -30,14 +30,14 @@ static int make_room(struct world *w, int64_t n)
 {
     struct list *l = &w->list;
     if (!l->body)
-        l->body = take(w, bodies_of(w), sizeof *l->body);
+        l->body = take_array(w, bodies_of(w), sizeof *l->body);
     bool good = l->body != NULL;
     if (good && n > l->cap) {
         void *item = l->item, *raw = l->raw, *key = l->key, *spare = l->spare;
-        good = grow(w, &item, n, sizeof *l->item);
-        good = good && grow(w, &key, n, sizeof *l->key);
-        good = good && grow(w, &spare, n, sizeof *l->spare);
-        good = good && (w->home == w || grow(w, &raw, n, sizeof *l->raw));
+        good = grow_array(w, &item, n, sizeof *l->item);
+        good = good && grow_array(w, &key, n, sizeof *l->key);
+        good = good && grow_array(w, &spare, n, sizeof *l->spare);
+        good = good && (w->home == w || grow_array(w, &raw, n, sizeof *l->raw));
         l->item = item;
         l->raw = raw;
         l->key = key;
@@ -47,19 +47,18 @@ static int make_room(struct world *w, int64_t n)
     return good ? DRAPE_OK : DRAPE_ENOMEM;
 }
 
-/* What the solve and the rounds left, on the host. */
+/* The contacts that the solve and the rounds left, on the host. */
 struct left {
     int64_t n, n_pushed;
     const struct contact *contact; /* [n] as the solve left them */
     const struct contact *pushed;  /* [n_pushed] as the rounds did, by key */
     double span; /* of an impulse of the solve, which acts for tau: dt / tau */
-    struct kept
-        *kept; /* [n_kept] of the arena, by key: what goes on pressing */
+    struct kept *kept; /* [n_kept] of the arena, by key: the multipliers */
     int64_t n_kept;
 };
 
 /* Brings the contacts of a device. */
-static int bring(struct world *w, struct left *s)
+static int fetch_contacts(struct world *w, struct left *s)
 {
     struct list *l = &w->list;
     const struct response *c = &w->response;
@@ -79,12 +78,12 @@ static int bring(struct world *w, struct left *s)
 }
 
 /* The number of vertices of side A. */
-static int split(const struct contact *c)
+static int count_side_a(const struct contact *c)
 {
     return c->kind == CONTACT_VF ? 1 : 2;
 }
 
-static void add(double to[3], double a, vec b)
+static void add_scaled(double to[3], double a, vec b)
 {
     to[0] += a * (double)b.x;
     to[1] += a * (double)b.y;
@@ -97,15 +96,15 @@ static vec push_of(const struct contact *c)
     return vec_axpy(c->tangent, c->impulse, c->n);
 }
 
-/* What contact c is, without an impulse yet. */
-static void describe(const struct world *w, const struct contact *c,
-                     drape_contact *to)
+/* Fills the row of contact c but for its impulse. */
+static void describe_contact(const struct world *w, const struct contact *c,
+                             drape_contact *to)
 {
     const uint16_t *body = w->home->body;
     memset(to, 0, sizeof *to);
     to->kind = c->kind;
     to->body[0] = body[c->v[0]];
-    to->body[1] = body[c->v[split(c)]];
+    to->body[1] = body[c->v[count_side_a(c)]];
     for (int j = 0; j < 4; j++) {
         to->vertex[j] = c->v[j];
         to->weight[j] = (double)c->c[j];
@@ -126,13 +125,13 @@ static bool is_same(const struct contact *a, const struct contact *b)
            !memcmp(&a->gap, &b->gap, sizeof a->gap);
 }
 
-static bool precedes(const struct key *a, const struct key *b)
+static bool comes_before(const struct key *a, const struct key *b)
 {
     return a->hi < b->hi || (a->hi == b->hi && a->lo < b->lo);
 }
 
-/* §8.1: adds what the rounds gave: to the solve's contacts, and as contacts of
- * their own. Returns how many the list has then. */
+/* §8.1: adds the impulses of the rounds: to the solve's contacts, and as
+ * contacts of their own. Returns how many the list has then. */
 static int64_t add_rounds(struct world *w, const struct left *s)
 {
     struct list *l = &w->list;
@@ -143,20 +142,20 @@ static int64_t add_rounds(struct world *w, const struct left *s)
     for (int64_t k = 0; k < s->n_pushed; k++) {
         const struct contact *c = &s->pushed[k];
         struct key mine = impulses_key(c->v, c->kind, k);
-        while (at < s->n && precedes(&key[at], &mine))
+        while (at < s->n && comes_before(&key[at], &mine))
             at++;
-        bool known = at < s->n && !precedes(&mine, &key[at]) &&
+        bool known = at < s->n && !comes_before(&mine, &key[at]) &&
                      is_same(&s->contact[key[at].item], c);
         int64_t to = known ? key[at].item : n++;
         if (!known)
-            describe(w, c, &l->item[to]);
-        add(l->item[to].impulse, 1, push_of(c));
+            describe_contact(w, c, &l->item[to]);
+        add_scaled(l->item[to].impulse, 1, push_of(c));
     }
     return n;
 }
 
-/* §8.3: what each body got of the contacts in the list. */
-static void sum(struct world *w, int64_t n)
+/* §8.3: sums the impulses of the list on each body. */
+static void sum_impulses(struct world *w, int64_t n)
 {
     double(*body)[3] = w->list.body;
     for (int64_t k = 0; k < n; k++) {
@@ -178,16 +177,17 @@ static double part_of(const struct left *s, const struct contact *c)
     return lasts ? s->span : 1 / s->span;
 }
 
-/* Makes the list of what the slice left. Returns how many contacts it has. */
-static int64_t make(struct world *w, struct left *s)
+/* Makes the list of the contacts that the slice left. Returns how many contacts
+ * it has. */
+static int64_t make_list(struct world *w, struct left *s)
 {
     for (int64_t k = 0; k < s->n; k++) {
         const struct contact *c = &s->contact[k];
-        describe(w, c, &w->list.item[k]);
-        add(w->list.item[k].impulse, part_of(s, c), push_of(c));
+        describe_contact(w, c, &w->list.item[k]);
+        add_scaled(w->list.item[k].impulse, part_of(s, c), push_of(c));
     }
     int64_t n = add_rounds(w, s);
-    sum(w, n);
+    sum_impulses(w, n);
     return n;
 }
 
@@ -230,11 +230,11 @@ int list_contacts(struct world *w, bool there, drape_contact_list *list)
     if (status == DRAPE_OK)
         memset(w->list.body, 0, (size_t)bodies_of(w) * sizeof *w->list.body);
     if (status == DRAPE_OK && met)
-        status = bring(w, &s);
+        status = fetch_contacts(w, &s);
     if (status == DRAPE_OK && s.n > 0 && s.span != 1)
         status = kept_gather(w, &s.kept, &s.n_kept);
     if (status == DRAPE_OK && met)
-        list->n = make(w, &s);
+        list->n = make_list(w, &s);
     arena_give(w->arena, s.kept);
     list->contact = w->list.item;
     list->impulse = (const double(*)[3])w->list.body;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The part of a checkpoint that says what the caller has changed of a world.
+/* The part of a checkpoint that holds the caller's changes of a world.
  * spec/control/control.md §6 */
-#include "ref/api/ops.h"
+#include "ref/base/change.h"
 #include "ref/cloth/table.h"
 #include "ref/control/control.h"
 #include "ref/world/start.h"
@@ -21,18 +21,19 @@ static bool material_changed(const struct sheet *s)
     return memcmp(&s->made.material, &s->defined, sizeof s->defined) != 0;
 }
 
-static bool changed(const struct world *w)
+static bool has_changes(const struct world *w)
 {
     bool is = false;
     for (int k = 0; k < w->def.n_cloths; k++)
-        is |= w->sheet[k].hand.on || material_changed(&w->sheet[k]);
+        is |= w->sheet[k].caller_pins.on || material_changed(&w->sheet[k]);
     for (int k = 0; k < w->def.n_obstacles; k++)
-        is |= w->prop[k].told;
+        is |= w->prop[k].targeted;
     return is;
 }
 
 /* Appends bytes to the part, or only counts them. */
-static void put(uint8_t *out, int64_t *at, const void *data, int64_t bytes)
+static void append_bytes(uint8_t *out, int64_t *at, const void *data,
+                         int64_t bytes)
 {
     if (out)
         memcpy(out + *at, data, (size_t)bytes);
@@ -42,21 +43,21 @@ static void put(uint8_t *out, int64_t *at, const void *data, int64_t bytes)
 int64_t control_pack(const struct world *w, uint8_t *out)
 {
     int64_t at = 0;
-    if (!changed(w))
+    if (!has_changes(w))
         return 0;
     for (int k = 0; k < w->def.n_cloths; k++) {
         const struct sheet *s = &w->sheet[k];
-        const struct hand *h = &s->hand;
+        const struct caller_pins *h = &s->caller_pins;
         int64_t n = h->on ? h->n : -1;
         const int32_t none = 0;
-        put(out, &at, &s->made.material, sizeof s->made.material);
-        put(out, &at, &n, sizeof n);
+        append_bytes(out, &at, &s->made.material, sizeof s->made.material);
+        append_bytes(out, &at, &n, sizeof n);
         for (int64_t i = 0; i < 2 * words_of(n); i++)
-            put(out, &at, i < n ? &h->list[i] : &none, sizeof none);
+            append_bytes(out, &at, i < n ? &h->list[i] : &none, sizeof none);
     }
     for (int k = 0; k < w->def.n_obstacles; k++) {
-        uint64_t told = w->prop[k].told;
-        put(out, &at, &told, sizeof told);
+        uint64_t targeted = w->prop[k].targeted;
+        append_bytes(out, &at, &targeted, sizeof targeted);
     }
     return at;
 }
@@ -70,7 +71,7 @@ int64_t control_most(const struct world *w)
     return most;
 }
 
-static bool within(double a, double lo, double hi)
+static bool is_within(double a, double lo, double hi)
 {
     return a >= lo && a <= hi;
 }
@@ -80,19 +81,19 @@ static bool good_material(const drape_material *m)
 {
     const double big = (double)REAL_BIG;
     bool good = m->density > 0 && m->density <= big && m->stretch > 0 &&
-                m->stretch <= big && within(m->shear, 0, m->stretch / 2) &&
-                within(m->bend, 0, big) && within(m->damping, 0, 1e6) &&
+                m->stretch <= big && is_within(m->shear, 0, m->stretch / 2) &&
+                is_within(m->bend, 0, big) && is_within(m->damping, 0, 1e6) &&
                 m->thickness > 0 && m->thickness <= big &&
-                within(m->friction, 0, 1e6);
+                is_within(m->friction, 0, 1e6);
     for (int k = 0; k < 3; k++)
-        good &= m->limit[k] == 0 || within(m->limit[k], 0.01, 10);
+        good &= m->limit[k] == 0 || is_within(m->limit[k], 0.01, 10);
     for (int o = 0; o < DRAPE_TABLES; o++)
         good &= table_fault(m->table[o]) < 0;
     return good;
 }
 
-/* What the part says of a cloth. The list is where the part has it, and may be
- * unaligned. */
+/* The changes of one cloth, as the part holds them. The list is where the part
+ * has it, and may be unaligned. */
 struct said {
     drape_material material;
     int64_t n;
@@ -136,30 +137,31 @@ bool control_fits(const struct world *w, const uint8_t *in, int64_t bytes)
             !good_list(&w->sheet[k].cloth, &said))
             return false;
     for (int k = 0; k < w->def.n_obstacles; k++, at += WORD) {
-        uint64_t told;
+        uint64_t targeted;
         if (bytes - at < WORD)
             return false;
-        memcpy(&told, in + at, sizeof told);
-        if (told > 1)
+        memcpy(&targeted, in + at, sizeof targeted);
+        if (targeted > 1)
             return false;
     }
     return at == bytes;
 }
 
-bool control_told(const struct world *w, const uint8_t *in, int64_t bytes,
-                  int obstacle)
+bool control_is_targeted(const struct world *w, const uint8_t *in,
+                         int64_t bytes, int obstacle)
 {
-    uint64_t told;
-    memcpy(&told, in + bytes - WORD * (int64_t)(w->def.n_obstacles - obstacle),
-           sizeof told);
-    return told;
+    uint64_t targeted;
+    memcpy(&targeted,
+           in + bytes - WORD * (int64_t)(w->def.n_obstacles - obstacle),
+           sizeof targeted);
+    return targeted;
 }
 
-/* What a cloth will be. */
+/* A cloth as it will be after the changes. */
 struct next {
     drape_material material;
-    struct hand hand; /* its streams are taken */
-    uint8_t *fixed;   /* [count] */
+    struct caller_pins caller_pins; /* its streams are taken */
+    uint8_t *fixed;                 /* [count] */
 };
 
 /* The pins of the definition, which may name a particle twice. */
@@ -191,9 +193,9 @@ static int try_cloth(struct world *w, int k, const struct next *next)
     return status;
 }
 
-/* Takes what cloth k will have; said: NULL: all as defined. */
-static int prepare(struct world *w, int k, const struct said *said,
-                   struct next *next)
+/* Takes the memory of cloth k as it will be; said: NULL: all as defined. */
+static int prepare_cloth(struct world *w, int k, const struct said *said,
+                         struct next *next)
 {
     const struct sheet *home = &w->home->sheet[k];
     const struct cloth *c = &home->cloth;
@@ -211,19 +213,20 @@ static int prepare(struct world *w, int k, const struct said *said,
         if (control_mark(c, n, list, next->fixed) != DRAPE_OK)
             status = DRAPE_EDATA;
         else
-            status = control_make_hand(w, n, list, &next->hand);
+            status = control_make_pins(w, n, list, &next->caller_pins);
     }
     arena_give(w->arena, list);
     return status == DRAPE_OK ? try_cloth(w, k, next) : status;
 }
 
-/* Makes cloth k as it will be; `next` gets what is to be given back. */
-static void commit(struct world *w, int k, struct next *next)
+/* Makes cloth k as it will be; `next` gets the memory that is to be given back.
+ */
+static void commit_cloth(struct world *w, int k, struct next *next)
 {
     struct sheet *s = &w->sheet[k];
     struct cloth *c = &w->home->sheet[k].cloth;
     drape_cloth def = s->made;
-    struct hand old = s->hand;
+    struct caller_pins old = s->caller_pins;
     def.material = s->made.material = next->material;
     ref_cloth_laws(&def, c);
     memcpy(c->fixed, next->fixed, (size_t)c->count);
@@ -231,44 +234,47 @@ static void commit(struct world *w, int k, struct next *next)
     for (int64_t p = 0; p < c->count; p++)
         c->n_pinned += c->fixed[p] == CLOTH_PINNED;
     ref_cloth_weigh(c);
-    s->hand = next->hand;
-    next->hand = old;
+    s->caller_pins = next->caller_pins;
+    next->caller_pins = old;
     control_tell_cloth(w, k);
 }
 
+/* Makes the caller's flags of obstacles as the words `in` [n_obstacles] say, or
+ * 0 where in is NULL, and the settings that follow from them. */
 static void commit_obstacles(struct world *w, const uint8_t *in)
 {
-    uint64_t told = 0;
-    w->plan.led = w->told.planned;
-    w->broad.apart.able = w->told.able;
+    uint64_t targeted = 0;
+    w->plan.prescribed = w->targets.planned;
+    w->broad.apart.able = w->targets.able;
     for (int k = 0; k < w->def.n_cloths; k++)
-        w->plan.led |= w->sheet[k].hand.on;
+        w->plan.prescribed |= w->sheet[k].caller_pins.on;
     for (int k = 0; k < w->def.n_obstacles; k++) {
         struct prop *p = &w->prop[k];
         if (in)
-            memcpy(&told, in + WORD * (int64_t)k, sizeof told);
-        p->told = told;
-        w->plan.led |= p->told;
-        w->broad.apart.able &= !p->told || p->moves;
+            memcpy(&targeted, in + WORD * (int64_t)k, sizeof targeted);
+        p->targeted = targeted;
+        w->plan.prescribed |= p->targeted;
+        w->broad.apart.able &= !p->targeted || p->moves;
     }
     w->broad.started = false;
-    w->told.stirred = false;
+    w->targets.stirred = false;
 }
 
-/* The targets: those told for the next step, or where things are. */
-static void commit_told(struct world *w, const vec *to, const vec *x)
+/* The targets: those set for the next step, or where things are. */
+static void commit_targets(struct world *w, const vec *to, const vec *x)
 {
     size_t bytes = (size_t)w->nv * sizeof *x;
-    w->told.armed = to != NULL;
-    if (!w->told.to)
+    w->targets.armed = to != NULL;
+    if (!w->targets.to)
         return;
-    w->run->send(w->on, w->told.from, x, bytes);
-    w->run->send(w->on, w->told.to, to ? to : x, bytes);
+    w->run->send(w->on, w->targets.from, x, bytes);
+    w->run->send(w->on, w->targets.to, to ? to : x, bytes);
 }
 
-/* Makes the world as `said` [n_cloths] and the words `told` [n_obstacles] say,
- * or, where said is NULL, as it was defined. */
-static int become(struct world *w, const struct said *said, const uint8_t *told)
+/* Makes the world as `said` [n_cloths] and the words `targeted` [n_obstacles]
+ * say, or, where said is NULL, as it was defined. */
+static int apply_changes(struct world *w, const struct said *said,
+                         const uint8_t *targeted)
 {
     int n = w->def.n_cloths, status = DRAPE_OK;
     struct next *next = arena_take(w->arena, ARENA_OTHER, n, sizeof *next);
@@ -276,15 +282,15 @@ static int become(struct world *w, const struct said *said, const uint8_t *told)
     if (!next)
         status = DRAPE_ENOMEM;
     if (status == DRAPE_OK && said)
-        status = control_take_told(w);
+        status = control_take_targets(w);
     for (int k = 0; k < n && status == DRAPE_OK; k++)
-        status = prepare(w, k, said ? &said[k] : NULL, &next[k]);
+        status = prepare_cloth(w, k, said ? &said[k] : NULL, &next[k]);
     for (int k = 0; k < n && status == DRAPE_OK; k++)
-        commit(w, k, &next[k]);
+        commit_cloth(w, k, &next[k]);
     if (status == DRAPE_OK)
-        commit_obstacles(w, told);
+        commit_obstacles(w, targeted);
     for (int k = 0; k < n && next; k++) {
-        control_drop_hand(w, &next[k].hand);
+        control_drop_pins(w, &next[k].caller_pins);
         arena_give(w->arena, next[k].fixed);
     }
     arena_give(w->arena, next);
@@ -295,7 +301,7 @@ int control_unpack(struct world *w, const uint8_t *in, int64_t bytes,
                    const vec *to, const vec *x)
 {
     int64_t at = 0;
-    if (bytes == 0 && !changed(w))
+    if (bytes == 0 && !has_changes(w))
         return DRAPE_OK;
     int n = w->def.n_cloths;
     struct said *said = arena_take(w->arena, ARENA_OTHER, n, sizeof *said);
@@ -303,58 +309,59 @@ int control_unpack(struct world *w, const uint8_t *in, int64_t bytes,
         return DRAPE_ENOMEM;
     for (int k = 0; k < n && bytes > 0; k++)
         read_cloth(&w->sheet[k].cloth, in, bytes, &at, &said[k]);
-    int status = become(w, bytes > 0 ? said : NULL, bytes > 0 ? in + at : NULL);
+    int status =
+        apply_changes(w, bytes > 0 ? said : NULL, bytes > 0 ? in + at : NULL);
     if (status == DRAPE_OK)
-        commit_told(w, to, x);
+        commit_targets(w, to, x);
     arena_give(w->arena, said);
     return status;
 }
 
-/* The targets that the old world was told for the next step. */
-static void inherit_told(struct world *w, const struct heir *heir)
+/* The targets that the old world has for the next step. */
+static void inherit_targets(struct world *w, const struct edited *edited)
 {
-    const struct told *old = &heir->old->told;
+    const struct targets *old = &edited->old->targets;
     size_t bytes = (size_t)w->nv * sizeof *w->x0;
     int bodies = w->def.n_cloths + w->def.n_obstacles;
-    w->told.armed = old->armed && changed(w);
-    w->run->copy(w->on, w->told.from, w->x0, bytes);
-    w->run->copy(w->on, w->told.to, w->x0, bytes);
-    for (int k = 0; k < bodies && w->told.armed; k++) {
-        if (heir->from[k] < 0)
+    w->targets.armed = old->armed && has_changes(w);
+    w->run->copy(w->on, w->targets.from, w->x0, bytes);
+    w->run->copy(w->on, w->targets.to, w->x0, bytes);
+    for (int k = 0; k < bodies && w->targets.armed; k++) {
+        if (edited->from[k] < 0)
             continue;
         int64_t to = state_first_vertex(w, k);
         int64_t n = state_first_vertex(w, k + 1) - to;
-        int64_t from = state_first_vertex(heir->old, heir->from[k]);
-        w->run->copy(w->on, w->told.to + to, old->to + from,
+        int64_t from = state_first_vertex(edited->old, edited->from[k]);
+        w->run->copy(w->on, w->targets.to + to, old->to + from,
                      (size_t)n * sizeof *w->x0);
     }
 }
 
-int control_inherit(struct world *w, const struct heir *heir)
+int control_inherit(struct world *w, const struct edited *edited)
 {
-    const struct world *old = heir->old;
+    const struct world *old = edited->old;
     int n = w->def.n_cloths, m = w->def.n_obstacles;
-    if (!changed(old))
+    if (!has_changes(old))
         return DRAPE_OK;
     struct said *said = arena_take(w->arena, ARENA_OTHER, n, sizeof *said);
-    uint64_t *told = arena_take(w->arena, ARENA_OTHER, m, sizeof *told);
-    int status = said && told ? DRAPE_OK : DRAPE_ENOMEM;
+    uint64_t *targeted = arena_take(w->arena, ARENA_OTHER, m, sizeof *targeted);
+    int status = said && targeted ? DRAPE_OK : DRAPE_ENOMEM;
     for (int k = 0; k < n && status == DRAPE_OK; k++) {
-        int from = heir->from[k];
+        int from = edited->from[k];
         const struct sheet *s = from < 0 ? &w->sheet[k] : &old->sheet[from];
         said[k].material = s->made.material;
-        said[k].n = s->hand.on ? s->hand.n : -1;
-        said[k].list = (const uint8_t *)s->hand.list;
+        said[k].n = s->caller_pins.on ? s->caller_pins.n : -1;
+        said[k].list = (const uint8_t *)s->caller_pins.list;
     }
     for (int k = 0; k < m && status == DRAPE_OK; k++) {
-        int from = heir->from[n + k];
-        told[k] = from >= 0 && old->prop[from - old->def.n_cloths].told;
+        int from = edited->from[n + k];
+        targeted[k] = from >= 0 && old->prop[from - old->def.n_cloths].targeted;
     }
     if (status == DRAPE_OK)
-        status = become(w, said, (const uint8_t *)told);
+        status = apply_changes(w, said, (const uint8_t *)targeted);
     if (status == DRAPE_OK)
-        inherit_told(w, heir);
-    arena_give(w->arena, told);
+        inherit_targets(w, edited);
+    arena_give(w->arena, targeted);
     arena_give(w->arena, said);
     return status;
 }

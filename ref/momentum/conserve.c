@@ -39,15 +39,15 @@ static int make_room(struct world *w)
         c->of = arena_take(w->arena, ARENA_OTHER, n, sizeof *c->of);
     if (!c->part)
         c->part = arena_take(w->arena, ARENA_OTHER, 2 * n, sizeof *c->part);
-    if (!c->whole)
-        c->whole = arena_take(w->arena, ARENA_OTHER, 2 * n, sizeof *c->whole);
-    bool good = c->chunk && c->label && c->of && c->part && c->whole;
+    if (!c->island)
+        c->island = arena_take(w->arena, ARENA_OTHER, 2 * n, sizeof *c->island);
+    bool good = c->chunk && c->label && c->of && c->part && c->island;
     return good ? DRAPE_OK : DRAPE_ENOMEM;
 }
 
 /* §3.1: measures all cloths in the state x, v, but for their springs. */
-static int measure(struct world *w, const vec *x, const vec *v,
-                   struct tally *part)
+static int measure_cloths(struct world *w, const vec *x, const vec *v,
+                          struct tally *part)
 {
     int status = DRAPE_OK;
     for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++) {
@@ -79,25 +79,24 @@ static void find_energies(struct world *w, struct tally *part)
     }
 }
 
-/* §2: finds the island of each cloth. */
-static int find_islands(struct world *w, int outcome)
+int conserve_find_islands(struct world *w, bool one, int32_t *label,
+                          int32_t *of)
 {
-    bool one = slice_failed(outcome); /* zones join what no contact tells */
-    struct conserve *c = &w->conserve;
     const struct response *r = &w->response;
+    int cloths = w->def.n_cloths;
     struct islands s = {.nv = w->nv,
                         .n = r->active,
-                        .body = r->skin.of,
+                        .body = w->body,
                         .contact = r->contact[r->side].data,
-                        .bodies = w->def.n_cloths,
-                        .label = c->label};
-    for (int k = 0; k < w->def.n_cloths; k++)
-        c->of[k] = one ? 0 : k;
-    if (!w->met || one || w->def.n_cloths == 1)
+                        .bodies = cloths,
+                        .label = label};
+    one |= cloths == 1;
+    for (int k = 0; k < cloths; k++)
+        of[k] = one ? 0 : k;
+    if (one || !w->met)
         return DRAPE_OK;
     int status = w->run->islands(w->on, &s);
-    w->run->fetch(w->on, c->of, c->label,
-                  (size_t)w->def.n_cloths * sizeof *c->of);
+    w->run->fetch(w->on, of, label, (size_t)cloths * sizeof *of);
     return status;
 }
 
@@ -117,9 +116,9 @@ static bool is_finite(const struct gain *g)
 
 /* §3: gives cloth k the gain of its island. Its energies of the motion are
  * those of what it then has. */
-static int give(struct world *w, int k)
+static int give_gain(struct world *w, int k)
 {
-    const struct tally *before = &w->conserve.whole[w->conserve.of[k]];
+    const struct tally *before = &w->conserve.island[w->conserve.of[k]];
     const struct tally *after = before + w->def.n_cloths;
     struct sheet *s = &w->sheet[k];
     double p[3];
@@ -157,17 +156,18 @@ int conserve_momentum(struct world *w, int outcome)
         return DRAPE_OK;
     int status = make_room(w);
     if (status == DRAPE_OK)
-        status = measure(w, w->x0, w->v0, c->part);
+        status = measure_cloths(w, w->x0, w->v0, c->part);
     if (status == DRAPE_OK)
-        status = measure(w, w->x1, w->v1, c->part + n);
+        status = measure_cloths(w, w->x1, w->v1, c->part + n);
+    bool one = slice_failed(outcome); /* zones join cloths without a contact */
     if (status == DRAPE_OK)
-        status = find_islands(w, outcome);
+        status = conserve_find_islands(w, one, c->label, c->of);
     if (status != DRAPE_OK)
         return status;
     find_energies(w, c->part);
-    tally_join(n, c->of, c->part, c->whole);
-    tally_join(n, c->of, c->part + n, c->whole + n);
+    tally_join(n, c->of, c->part, c->island);
+    tally_join(n, c->of, c->part + n, c->island + n);
     for (int k = 0; k < n && status == DRAPE_OK; k++)
-        status = give(w, k);
+        status = give_gain(w, k);
     return status;
 }

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Sums mass and momentum, finds what touches, and turns bodies.
+/* Sums mass and momentum, finds what touches, and rotates bodies.
  * spec/momentum/momentum.md */
 #include "ref/momentum/momentum.h"
 
 #include "ref/base/sum.h"
 
-static void put(real *item, vec a)
+static void put_vector(real *item, vec a)
 {
     item[0] = a.x;
     item[SUM_CHUNK] = a.y;
@@ -19,12 +19,12 @@ static void find_items(const struct moments *s, int64_t p, real *item)
     vec d = vec_sub(s->x[p], s->at), e = vec_sub(s->v[p], s->speed);
     vec md = vec_scale(m, d);
     item[MOMENT_MASS * SUM_CHUNK] = m;
-    put(item + MOMENT_PLACE * SUM_CHUNK, md);
-    put(item + MOMENT_SPEED * SUM_CHUNK, vec_scale(m, e));
-    put(item + MOMENT_SPIN * SUM_CHUNK, vec_cross(md, e));
-    put(item + MOMENT_SPREAD * SUM_CHUNK, vec_scale(md.x, d));
-    put(item + (MOMENT_SPREAD + 3) * SUM_CHUNK,
-        vec_make(md.y * d.y, md.y * d.z, md.z * d.z));
+    put_vector(item + MOMENT_PLACE * SUM_CHUNK, md);
+    put_vector(item + MOMENT_SPEED * SUM_CHUNK, vec_scale(m, e));
+    put_vector(item + MOMENT_SPIN * SUM_CHUNK, vec_cross(md, e));
+    put_vector(item + MOMENT_SPREAD * SUM_CHUNK, vec_scale(md.x, d));
+    put_vector(item + (MOMENT_SPREAD + 3) * SUM_CHUNK,
+               vec_make(md.y * d.y, md.y * d.z, md.z * d.z));
     item[MOMENT_SQUARE * SUM_CHUNK] = m * vec_dot(e, e);
 }
 
@@ -83,8 +83,8 @@ int ref_spin(struct spin *s)
 {
     EACH_ITEM
     for (int64_t p = 0; p < s->count; p++) {
-        vec turn = vec_cross(s->dw, vec_sub(s->x[p], s->centre));
-        vec gain = vec_add(s->dv, turn);
+        vec rotation = vec_cross(s->dw, vec_sub(s->x[p], s->centre));
+        vec gain = vec_add(s->dv, rotation);
         vec to = vec_add(vec_scale(s->keep, s->v[p]), gain);
         s->to[p] = s->w[p] > 0 ? to : s->v[p];
     }

@@ -6,12 +6,12 @@
 #include <math.h>
 
 /* §3.3: the least determinant of an inertia that is divided by its trace. */
-static const double THIN = 0x1p-16;
+static const double DEGENERATE = 0x1p-16;
 /* §3.4: a slice that gains more than such a part of its energy is one that
  * step.md §7.3 has to see. */
 static const double JUMP = 16;
 
-static void cross(const double a[3], const double b[3], double r[3])
+static void cross_product(const double a[3], const double b[3], double r[3])
 {
     for (int i = 0; i < 3; i++) {
         int j = (i + 1) % 3, k = (i + 2) % 3;
@@ -19,13 +19,13 @@ static void cross(const double a[3], const double b[3], double r[3])
     }
 }
 
-static double dot(const double a[3], const double b[3])
+static double dot_product(const double a[3], const double b[3])
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 /* The place of row i and column j of a symmetric matrix. */
-static int at(int i, int j)
+static int index_of(int i, int j)
 {
     static const int place[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
     return place[i][j];
@@ -37,11 +37,11 @@ static void add_apart(struct tally *t, double m, const double p[3],
                       const double d[3])
 {
     double l[3];
-    cross(d, p, l);
+    cross_product(d, p, l);
     for (int i = 0; i < 3; i++) {
         t->l[i] += l[i];
         for (int j = i; j < 3; j++)
-            t->spread[at(i, j)] += m * d[i] * d[j];
+            t->spread[index_of(i, j)] += m * d[i] * d[j];
     }
 }
 
@@ -58,7 +58,8 @@ struct tally tally_of(const struct moments *s)
         t.p[i] = t.mass * (double)speed[i] + p;
         t.l[i] = (double)a[MOMENT_SPIN + i];
     }
-    t.kinetic = ((double)a[MOMENT_SQUARE] - dot(back, back) / t.mass) / 2;
+    t.kinetic =
+        ((double)a[MOMENT_SQUARE] - dot_product(back, back) / t.mass) / 2;
     for (int k = 0; k < 6; k++)
         t.spread[k] = (double)a[MOMENT_SPREAD + k];
     add_apart(&t, -t.mass, back, d);
@@ -66,11 +67,11 @@ struct tally tally_of(const struct moments *s)
 }
 
 void tally_join(int n, const int32_t *of, const struct tally *part,
-                struct tally *whole)
+                struct tally *island)
 {
-    memset(whole, 0, (size_t)n * sizeof *whole);
+    memset(island, 0, (size_t)n * sizeof *island);
     for (int k = 0; k < n; k++) {
-        struct tally *t = &whole[of[k]];
+        struct tally *t = &island[of[k]];
         double m = t->mass + part[k].mass;
         for (int i = 0; i < 3; i++) {
             double d = part[k].centre[i] - t->centre[i];
@@ -81,49 +82,50 @@ void tally_join(int n, const int32_t *of, const struct tally *part,
         t->mass = m;
     }
     for (int k = 0; k < n; k++) {
-        struct tally *t = &whole[of[k]];
+        struct tally *t = &island[of[k]];
         double d[3], u[3];
         for (int i = 0; i < 3; i++) {
             d[i] = part[k].centre[i] - t->centre[i];
             u[i] = part[k].p[i] / part[k].mass - t->p[i] / t->mass;
             t->l[i] += part[k].l[i];
         }
-        t->kinetic += part[k].kinetic + part[k].mass * dot(u, u) / 2;
+        t->kinetic += part[k].kinetic + part[k].mass * dot_product(u, u) / 2;
         for (int i = 0; i < 6; i++)
             t->spread[i] += part[k].spread[i];
         add_apart(t, part[k].mass, part[k].p, d);
     }
 }
 
-/* §3.3: the turn with which t has the angular momentum l. False: t is close to
- * a line. */
+/* §3.3: the angular velocity with which t has the angular momentum l. False: t
+ * is close to a line. */
 static bool find_turn(const struct tally *t, const double l[3], double dw[3])
 {
     double trace = t->spread[0] + t->spread[3] + t->spread[5];
     double a[3][3], b[3][3];
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
-            a[i][j] = ((i == j ? trace : 0) - t->spread[at(i, j)]) / trace;
+            a[i][j] =
+                ((i == j ? trace : 0) - t->spread[index_of(i, j)]) / trace;
     for (int i = 0; i < 3; i++) /* row i of the adjugate, which is symmetric */
-        cross(a[(i + 1) % 3], a[(i + 2) % 3], b[i]);
-    double det = dot(a[0], b[0]);
+        cross_product(a[(i + 1) % 3], a[(i + 2) % 3], b[i]);
+    double det = dot_product(a[0], b[0]);
     for (int i = 0; i < 3; i++)
-        dw[i] = dot(b[i], l) / (det * trace);
-    return det > THIN;
+        dw[i] = dot_product(b[i], l) / (det * trace);
+    return det > DEGENERATE;
 }
 
-/* A rigid turn, 1/s, and its energy, J. */
+/* An angular velocity, 1/s, and its energy, J. */
 struct turning {
     double w[3], energy;
 };
 
-/* §3.3: the turn with which t has the angular momentum l; none if t is close to
- * a line. */
+/* §3.3: the angular velocity with which t has the angular momentum l; none if t
+ * is close to a line. */
 static struct turning turning_of(const struct tally *t, const double l[3])
 {
     struct turning r = {{0, 0, 0}, 0};
     if (find_turn(t, l, r.w))
-        r.energy = dot(l, r.w) / 2;
+        r.energy = dot_product(l, r.w) / 2;
     else
         memset(r.w, 0, sizeof r.w);
     return r;

@@ -27,10 +27,10 @@ struct gain {
 
 /* Returns the tally of one body. */
 struct tally tally_of(const struct moments *s);
-/* Joins n bodies: whole[k] becomes the tally of the island of those with of[i]
+/* Joins n bodies: island[k] becomes the tally of the island of those with of[i]
  * = k, for each k that is one. */
 void tally_join(int n, const int32_t *of, const struct tally *part,
-                struct tally *whole);
+                struct tally *island);
 /* Returns the gain by which `after` has the momentum p and, as far as the
  * energy of `before` allows, the angular momentum of `before`. */
 struct gain tally_gain(const struct tally *before, const struct tally *after,

@@ -12,7 +12,7 @@ struct audit_box ref_audit_box(const vec *x, const int32_t v[3])
 
 /* Spreads the low 21 bits of b, with two zero bits between neighbours
  * (§4.1). */
-static uint64_t spread(uint64_t b)
+static uint64_t spread_bits(uint64_t b)
 {
     b = (b | b << 32) & UINT64_C(0x001f00000000ffff);
     b = (b | b << 16) & UINT64_C(0x001f0000ff0000ff);
@@ -23,7 +23,7 @@ static uint64_t spread(uint64_t b)
 
 /* Returns the Morton cell, of 2^21 cells over `size`, that holds the middle of
  * lo and hi. */
-static uint64_t cell(real lo, real hi, real from, real size)
+static uint64_t morton_cell(real lo, real hi, real from, real size)
 {
     real c = lo + (hi - lo) * R(0.5);
     return size > 0 ? (uint64_t)((c - from) / size * R(2097151.0)) : 0;
@@ -42,9 +42,10 @@ static void make_keys(const struct audit_order *s)
     EACH_ITEM
     for (int64_t t = 0; t < s->nt; t++) {
         struct audit_box b = ref_audit_box(s->x, s->tri[t]);
-        s->key[0][t] = spread(cell(b.lo.x, b.hi.x, lo.x, size)) |
-                       spread(cell(b.lo.y, b.hi.y, lo.y, size)) << 1 |
-                       spread(cell(b.lo.z, b.hi.z, lo.z, size)) << 2;
+        s->key[0][t] =
+            spread_bits(morton_cell(b.lo.x, b.hi.x, lo.x, size)) |
+            spread_bits(morton_cell(b.lo.y, b.hi.y, lo.y, size)) << 1 |
+            spread_bits(morton_cell(b.lo.z, b.hi.z, lo.z, size)) << 2;
         if (s->group == NULL || s->group[t] != 0)
             s->key[0][t] |= UINT64_C(1) << 63;
         s->order[0][t] = (int32_t)t;
@@ -85,12 +86,12 @@ void ref_audit_order(const struct audit_order *s)
             s->order[0][t] = s->order[1][t];
 }
 
-static bool before(const int32_t a[2], const int32_t b[2])
+static bool comes_before(const int32_t a[2], const int32_t b[2])
 {
     return a[0] < b[0] || (a[0] == b[0] && a[1] < b[1]);
 }
 
-static void swap(int32_t a[2], int32_t b[2])
+static void swap_pairs(int32_t a[2], int32_t b[2])
 {
     for (int j = 0; j < 2; j++) {
         int32_t v = a[j];
@@ -99,23 +100,23 @@ static void swap(int32_t a[2], int32_t b[2])
     }
 }
 
-static void sift(int32_t (*p)[2], int64_t k, int64_t n)
+static void sift_down(int32_t (*p)[2], int64_t k, int64_t n)
 {
     for (int64_t c = 2 * k + 1; c < n; k = c, c = 2 * k + 1) {
-        if (c + 1 < n && before(p[c], p[c + 1]))
+        if (c + 1 < n && comes_before(p[c], p[c + 1]))
             c++;
-        if (!before(p[k], p[c]))
+        if (!comes_before(p[k], p[c]))
             return;
-        swap(p[k], p[c]);
+        swap_pairs(p[k], p[c]);
     }
 }
 
 void ref_audit_sort(int32_t (*p)[2], int64_t n)
 {
     for (int64_t k = n / 2; k-- > 0;)
-        sift(p, k, n);
+        sift_down(p, k, n);
     while (n-- > 1) {
-        swap(p[0], p[n]);
-        sift(p, 0, n);
+        swap_pairs(p[0], p[n]);
+        sift_down(p, 0, n);
     }
 }

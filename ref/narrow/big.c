@@ -29,7 +29,7 @@ static uint32_t *take_words(struct big_arena *m, int n)
 
 /* Makes a number from the last n words taken, and gives its leading zero words
  * back to the arena. */
-static struct big trim(struct big_arena *m, uint32_t *d, int n, int sign)
+static struct big trim_zeros(struct big_arena *m, uint32_t *d, int n, int sign)
 {
     int k = n;
     while (k > 0 && d[k - 1] == 0)
@@ -45,7 +45,7 @@ static int exponent_bits(uint64_t b)
 }
 
 /* Splits |x| = *mantissa·2^e and returns e. */
-static int unpack(double x, uint64_t *mantissa)
+static int unpack_double(double x, uint64_t *mantissa)
 {
     uint64_t b;
     memcpy(&b, &x, sizeof b);
@@ -59,7 +59,7 @@ static int unpack(double x, uint64_t *mantissa)
 int big_exponent(double x)
 {
     uint64_t a;
-    int e = unpack(x, &a);
+    int e = unpack_double(x, &a);
     for (; !(a & 1); a >>= 1)
         e++;
     return e;
@@ -68,9 +68,9 @@ int big_exponent(double x)
 struct big big_make(struct big_arena *m, double x, int e)
 {
     uint64_t a;
-    int shift = unpack(x, &a) - e;
+    int shift = unpack_double(x, &a) - e;
     if (a == 0)
-        return trim(m, m->word, 0, 0);
+        return trim_zeros(m, m->word, 0, 0);
     for (; shift < 0; shift++)
         a >>= 1;
     int low = shift / 32, n = low + 3;
@@ -82,14 +82,14 @@ struct big big_make(struct big_arena *m, double x, int e)
     d[low] = (uint32_t)low_half;
     d[low + 1] = (uint32_t)high_half;
     d[low + 2] = (uint32_t)(high_half >> 32);
-    return trim(m, d, n, x < 0 ? -1 : 1);
+    return trim_zeros(m, d, n, x < 0 ? -1 : 1);
 }
 
 struct big big_small(struct big_arena *m, uint32_t a)
 {
     uint32_t *d = take_words(m, 1);
     d[0] = a;
-    return trim(m, d, 1, 1);
+    return trim_zeros(m, d, 1, 1);
 }
 
 struct big big_negate(struct big a)
@@ -99,7 +99,7 @@ struct big big_negate(struct big a)
 }
 
 /* Compares magnitudes: returns -1, 0 or 1. */
-static int order(struct big a, struct big b)
+static int compare_magnitudes(struct big a, struct big b)
 {
     if (a.n != b.n)
         return a.n < b.n ? -1 : 1;
@@ -110,7 +110,8 @@ static int order(struct big a, struct big b)
 }
 
 /* Returns |a| + |b| with a given sign. Requires a.n ≥ b.n. */
-static struct big sum(struct big_arena *m, struct big a, struct big b, int sign)
+static struct big add_magnitudes(struct big_arena *m, struct big a,
+                                 struct big b, int sign)
 {
     uint32_t *d = take_words(m, a.n + 1);
     uint64_t carry = 0;
@@ -120,12 +121,12 @@ static struct big sum(struct big_arena *m, struct big a, struct big b, int sign)
         carry >>= 32;
     }
     d[a.n] = (uint32_t)carry;
-    return trim(m, d, a.n + 1, sign);
+    return trim_zeros(m, d, a.n + 1, sign);
 }
 
 /* Returns |a| - |b| with a given sign. Requires |a| ≥ |b|. */
-static struct big difference(struct big_arena *m, struct big a, struct big b,
-                             int sign)
+static struct big subtract_magnitudes(struct big_arena *m, struct big a,
+                                      struct big b, int sign)
 {
     uint32_t *d = take_words(m, a.n), borrow = 0;
     for (int i = 0; i < a.n; i++) {
@@ -133,7 +134,7 @@ static struct big difference(struct big_arena *m, struct big a, struct big b,
         borrow = a.d[i] < take;
         d[i] = (uint32_t)(a.d[i] - take);
     }
-    return trim(m, d, a.n, sign);
+    return trim_zeros(m, d, a.n, sign);
 }
 
 struct big big_add(struct big_arena *m, struct big a, struct big b)
@@ -141,9 +142,10 @@ struct big big_add(struct big_arena *m, struct big a, struct big b)
     if (a.sign == 0 || b.sign == 0)
         return a.sign ? a : b;
     if (a.sign == b.sign)
-        return a.n < b.n ? sum(m, b, a, a.sign) : sum(m, a, b, a.sign);
-    return order(a, b) < 0 ? difference(m, b, a, b.sign)
-                           : difference(m, a, b, a.sign);
+        return a.n < b.n ? add_magnitudes(m, b, a, a.sign)
+                         : add_magnitudes(m, a, b, a.sign);
+    return compare_magnitudes(a, b) < 0 ? subtract_magnitudes(m, b, a, b.sign)
+                                        : subtract_magnitudes(m, a, b, a.sign);
 }
 
 struct big big_sub(struct big_arena *m, struct big a, struct big b)
@@ -201,7 +203,7 @@ struct big big_mul_from(struct big_arena *m, struct big a, struct big b,
         if (j < b.n)
             add_rows(d + i + j - from, x, b.d + j, b.n - j);
     }
-    return trim(m, d, n, a.sign * b.sign);
+    return trim_zeros(m, d, n, a.sign * b.sign);
 }
 
 struct big big_mul(struct big_arena *m, struct big a, struct big b)
@@ -222,7 +224,7 @@ struct big big_mul(struct big_arena *m, struct big a, struct big b)
         }
         d[i + b.n] = (uint32_t)carry;
     }
-    return trim(m, d, n, a.sign * b.sign);
+    return trim_zeros(m, d, n, a.sign * b.sign);
 }
 
 struct big big_times(struct big_arena *m, struct big a, uint32_t k)
@@ -237,7 +239,7 @@ struct big big_shift(struct big_arena *m, struct big a, int k)
     memset(d, 0, (size_t)k * sizeof *d);
     if (a.n)
         memcpy(d + k, a.d, (size_t)a.n * sizeof *d);
-    return trim(m, d, a.n + k, a.sign);
+    return trim_zeros(m, d, a.n + k, a.sign);
 }
 
 struct big big_keep(struct big_arena *m, int mark, struct big r)

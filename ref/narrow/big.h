@@ -16,7 +16,8 @@ struct big_arena {
     int size, used;
     int most;  /* out: largest value of `used` */
     bool full; /* out: a number did not fit; results are void */
-    int keep;  /* leading words that a struct near keeps: ref/narrow/near.h */
+    int keep;  /* leading words that a struct approx keeps: ref/narrow/approx.h
+                */
 };
 
 /* The integer sign · Σ d[i]·2^(32i). n = 0 exactly where sign = 0; otherwise
@@ -38,7 +39,7 @@ struct big big_sub(struct big_arena *m, struct big a, struct big b);
 struct big big_mul(struct big_arena *m, struct big a, struct big b);
 /* Returns a·b / 2^(32 from), truncated: products a.d[i]·b.d[j] with i + j <
  * from are left out, and where from > 0 some of those with i + j = from. The
- * magnitude may therefore be too small; near_mul bounds the error. */
+ * magnitude may therefore be too small; approx_mul bounds the error. */
 struct big big_mul_from(struct big_arena *m, struct big a, struct big b,
                         int from);
 struct big big_times(struct big_arena *m, struct big a, uint32_t k);

@@ -4,8 +4,8 @@
 #include "ref/narrow/closest.h"
 
 /* Starts a search: y = x - x[0], and the size of the pair; no candidate yet. */
-static void relative(const struct wide x[4], struct wide y[4],
-                     struct closest *r)
+static void start_search(const struct wide x[4], struct wide y[4],
+                         struct closest *r)
 {
     r->length2 = -1;
     r->size2 = 0;
@@ -18,7 +18,8 @@ static void relative(const struct wide x[4], struct wide y[4],
 
 /* Keeps the candidate with weights c if its points are nearer than all before;
  * of a tie the first candidate stays. */
-static void offer(struct closest *r, const struct wide y[4], const double c[4])
+static void offer_candidate(struct closest *r, const struct wide y[4],
+                            const double c[4])
 {
     struct wide p = wide_scale(c[1], y[1]);
     p = wide_axpy(p, c[2], y[2]);
@@ -33,7 +34,7 @@ static void offer(struct closest *r, const struct wide y[4], const double c[4])
 }
 
 /* a / b within [0, 1]; 0 where b is 0. */
-static double ratio(double a, double b)
+static double clamped_ratio(double a, double b)
 {
     if (!(a > 0 && b > 0))
         return 0;
@@ -44,7 +45,7 @@ static double ratio(double a, double b)
 void closest_vf(const struct wide x[4], struct closest *r)
 {
     struct wide y[4];
-    relative(x, y, r);
+    start_search(x, y, r);
     struct wide e = wide_sub(y[2], y[1]), f = wide_sub(y[3], y[1]);
     struct wide q = wide_scale(-1, y[1]), n = wide_cross(e, f);
     double nn = wide_dot(n, n);
@@ -52,16 +53,16 @@ void closest_vf(const struct wide x[4], struct closest *r)
         double s = wide_dot(wide_cross(q, f), n) / nn;
         double t = wide_dot(wide_cross(e, q), n) / nn;
         if (s >= 0 && t >= 0 && s + t <= 1)
-            offer(r, y, (double[4]){1, -(1 - s - t), -s, -t});
+            offer_candidate(r, y, (double[4]){1, -(1 - s - t), -s, -t});
     }
     for (int k = 0; k < 3; k++) {
         int a = 1 + k, b = 1 + (k + 1) % 3;
         struct wide d = wide_sub(y[b], y[a]);
-        double t = ratio(-wide_dot(y[a], d), wide_dot(d, d));
+        double t = clamped_ratio(-wide_dot(y[a], d), wide_dot(d, d));
         double c[4] = {1, 0, 0, 0};
         c[a] = -(1 - t);
         c[b] = -t;
-        offer(r, y, c);
+        offer_candidate(r, y, c);
     }
 }
 
@@ -69,7 +70,7 @@ void closest_vf(const struct wide x[4], struct closest *r)
 void closest_ee(const struct wide x[4], struct closest *r)
 {
     struct wide y[4];
-    relative(x, y, r);
+    start_search(x, y, r);
     struct wide d = y[1], e = wide_sub(y[3], y[2]);
     double dd = wide_dot(d, d), ee = wide_dot(e, e), de = wide_dot(d, e);
     double dq = -wide_dot(d, y[2]), eq = -wide_dot(e, y[2]);
@@ -77,20 +78,21 @@ void closest_ee(const struct wide x[4], struct closest *r)
     if (det > 0) {
         /* t is the best for the s of the 2 × 2 system, and s then the best for
          * that t: the squared distance errs by the square of the first error */
-        double t = ratio(eq + ratio(de * eq - dq * ee, det) * de, ee);
-        double s = ratio(t * de - dq, dd);
-        offer(r, y, (double[4]){1 - s, s, -(1 - t), -t});
+        double t =
+            clamped_ratio(eq + clamped_ratio(de * eq - dq * ee, det) * de, ee);
+        double s = clamped_ratio(t * de - dq, dd);
+        offer_candidate(r, y, (double[4]){1 - s, s, -(1 - t), -t});
     }
-    double t0 = ratio(eq, ee), t1 = ratio(eq + de, ee);
-    double s0 = ratio(-dq, dd), s1 = ratio(de - dq, dd);
-    offer(r, y, (double[4]){1, 0, -(1 - t0), -t0});
-    offer(r, y, (double[4]){0, 1, -(1 - t1), -t1});
-    offer(r, y, (double[4]){1 - s0, s0, -1, 0});
-    offer(r, y, (double[4]){1 - s1, s1, 0, -1});
+    double t0 = clamped_ratio(eq, ee), t1 = clamped_ratio(eq + de, ee);
+    double s0 = clamped_ratio(-dq, dd), s1 = clamped_ratio(de - dq, dd);
+    offer_candidate(r, y, (double[4]){1, 0, -(1 - t0), -t0});
+    offer_candidate(r, y, (double[4]){0, 1, -(1 - t1), -t1});
+    offer_candidate(r, y, (double[4]){1 - s0, s0, -1, 0});
+    offer_candidate(r, y, (double[4]){1 - s1, s1, 0, -1});
 }
 
 /* The nearest multiple of the quantum: 2^-22, or 2^-50 in binary64. */
-static double quantum(double a)
+static double round_to_quantum(double a)
 {
     double shift = REAL_BITS == 32 ? 0x1.8p30 : 0x1.8p2;
     return a + shift - shift;
@@ -100,15 +102,15 @@ void closest_weights(const struct closest *r, int kind, real c[4])
 {
     double s, t, w[4];
     if (kind == 0) {
-        s = quantum(-r->c[2]);
-        t = quantum(-r->c[3]);
+        s = round_to_quantum(-r->c[2]);
+        t = round_to_quantum(-r->c[3]);
         t = t < 1 - s ? t : 1 - s;
         w[0] = 1;
         w[1] = -(1 - s - t);
         w[2] = -s;
     } else {
-        s = quantum(r->c[1]);
-        t = quantum(-r->c[3]);
+        s = round_to_quantum(r->c[1]);
+        t = round_to_quantum(-r->c[3]);
         w[0] = 1 - s;
         w[1] = s;
         w[2] = -(1 - t);
@@ -147,11 +149,12 @@ static struct wide place_of(const struct places *s, int32_t i)
     return s->x1 ? wide_axpy(a, s->t, wide_sub(wide_of(s->x1[i]), a)) : a;
 }
 
-struct foot foot_find(const int32_t v[4], int from, int end,
-                      const struct wide x[4], const double c[4], struct wide p)
+struct closest_point closest_point_find(const int32_t v[4], int from, int end,
+                                        const struct wide x[4],
+                                        const double c[4], struct wide p)
 {
     struct wide o = x[0];
-    struct foot f = {.p = closest_lift(p)};
+    struct closest_point f = {.p = closest_lift(p)};
     for (int j = from; j < end; j++) {
         if (c[j] == 0)
             continue;
@@ -165,58 +168,61 @@ struct foot foot_find(const int32_t v[4], int from, int end,
     return f;
 }
 
-/* Whether triangles of the fan of f.v[0] are at the foot. */
-static bool is_at(const struct foot *f, const int32_t rim[2])
+/* Whether triangles of the one-ring of f.v[0] are at the closest point. */
+static bool is_at(const struct closest_point *f, const int32_t opposite[2])
 {
-    return f->vertices == 1 || rim[0] == f->v[1] || rim[1] == f->v[1];
+    return f->vertices == 1 || opposite[0] == f->v[1] || opposite[1] == f->v[1];
 }
 
-/* The place of vertex y relative to the foot's first vertex. */
-static struct wide beside(const struct places *s, const struct foot *f,
-                          int32_t y)
+/* The place of vertex y relative to the closest point's first vertex. */
+static struct wide place_beside(const struct places *s,
+                                const struct closest_point *f, int32_t y)
 {
     return wide_sub(place_of(s, y), place_of(s, f->v[0]));
 }
 
-/* Whether the foot comes nearer to the other side towards vertex y. */
-static bool comes_nearer(const struct places *s, const struct foot *f,
+/* Whether the closest point comes nearer to the other side towards vertex y. */
+static bool comes_nearer(const struct places *s, const struct closest_point *f,
                          int32_t y, double least)
 {
-    struct wide d = closest_lift(wide_sub(beside(s, f, y), f->at));
+    struct wide d = closest_lift(wide_sub(place_beside(s, f, y), f->at));
     double along = wide_dot(f->p, d);
     return along > 0 &&
            along * along > least * (wide_dot(f->p, f->p) * wide_dot(d, d));
 }
 
-bool foot_is_nearest(const struct places *s, const struct fan *fan,
-                     const struct foot *f, double least)
+bool closest_point_is_local(const struct places *s,
+                            const struct one_rings *one_rings,
+                            const struct closest_point *f, double least)
 {
     int32_t i = f->v[0];
-    if (!fan->n_start)
+    if (!one_rings->n_start)
         return true;
-    for (int32_t k = fan->start[i]; f->vertices < 3 && k < fan->start[i + 1];
-         k++) {
-        const int32_t *rim = fan->rim[k];
+    for (int32_t k = one_rings->start[i];
+         f->vertices < 3 && k < one_rings->start[i + 1]; k++) {
+        const int32_t *opposite = one_rings->opposite[k];
         for (int j = 0; j < 2; j++)
-            if (is_at(f, rim) && comes_nearer(s, f, rim[j], least))
+            if (is_at(f, opposite) && comes_nearer(s, f, opposite[j], least))
                 return false;
     }
     return true;
 }
 
-bool foot_turn(const struct places *s, const struct fan *fan,
-               const struct foot *f, double least, struct wide *n)
+bool closest_point_normal(const struct places *s,
+                          const struct one_rings *one_rings,
+                          const struct closest_point *f, double least,
+                          struct wide *n)
 {
     int32_t i = f->v[0];
     double most = least * wide_dot(f->p, f->p);
     bool found = false;
-    for (int32_t k = fan->start[i]; k < fan->start[i + 1]; k++) {
-        const int32_t *rim = fan->rim[k];
-        struct wide d = closest_lift(beside(s, f, rim[0]));
-        struct wide e = closest_lift(beside(s, f, rim[1]));
+    for (int32_t k = one_rings->start[i]; k < one_rings->start[i + 1]; k++) {
+        const int32_t *opposite = one_rings->opposite[k];
+        struct wide d = closest_lift(place_beside(s, f, opposite[0]));
+        struct wide e = closest_lift(place_beside(s, f, opposite[1]));
         struct wide m = closest_lift(wide_cross(d, e));
         double along = wide_dot(m, f->p), mm = wide_dot(m, m);
-        if (!is_at(f, rim) || !(along * along > most * mm))
+        if (!is_at(f, opposite) || !(along * along > most * mm))
             continue;
         most = along * along / mm;
         *n = closest_unit(along < 0 ? wide_scale(-1, m) : m, *n);
@@ -225,26 +231,28 @@ bool foot_turn(const struct places *s, const struct fan *fan,
     return found;
 }
 
-/* Whether a triangle of the fan of f.v[0], whose other vertices are rim, is
+/* Whether a triangle of the one-ring of f.v[0], with these other vertices, is
  * `face`. */
-static bool is_face(const int32_t rim[2], const int32_t face[3])
+static bool is_face(const int32_t opposite[2], const int32_t face[3])
 {
     for (int j = 0; j < 2; j++)
-        if (rim[j] != face[0] && rim[j] != face[1] && rim[j] != face[2])
+        if (opposite[j] != face[0] && opposite[j] != face[1] &&
+            opposite[j] != face[2])
             return false;
     return true;
 }
 
-bool foot_is_first(const struct fan *fan, const struct foot *f,
-                   const int32_t face[3], int32_t other)
+bool closest_point_is_first(const struct one_rings *one_rings,
+                            const struct closest_point *f,
+                            const int32_t face[3], int32_t other)
 {
     int32_t i = f->v[0];
-    if (!fan->n_start || f->vertices == 3)
+    if (!one_rings->n_start || f->vertices == 3)
         return true;
-    for (int32_t k = fan->start[i]; k < fan->start[i + 1]; k++) {
-        const int32_t *rim = fan->rim[k];
-        if (is_at(f, rim) && rim[0] != other && rim[1] != other)
-            return is_face(rim, face);
+    for (int32_t k = one_rings->start[i]; k < one_rings->start[i + 1]; k++) {
+        const int32_t *opposite = one_rings->opposite[k];
+        if (is_at(f, opposite) && opposite[0] != other && opposite[1] != other)
+            return is_face(opposite, face);
     }
     return true;
 }

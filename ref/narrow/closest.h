@@ -40,32 +40,38 @@ struct places {
 
 /* The closest point of a side: in a face, on an edge or at a vertex, by how
  * many vertices have a weight. */
-struct foot {
+struct closest_point {
     int vertices;
     int32_t v[2];   /* the first two of them */
     struct wide at; /* m, relative to the first */
     struct wide p;  /* from here to the other side's point, lifted (§2.4) */
 };
 
-/* The foot on the side whose vertices are v[from] … v[end - 1] of a pair at x,
- * with weights c; p: from here to the other side. */
-struct foot foot_find(const int32_t v[4], int from, int end,
-                      const struct wide x[4], const double c[4], struct wide p);
+/* The closest point on the side whose vertices are v[from] … v[end - 1] of a
+ * pair at x, with weights c; p: from here to the other side. */
+struct closest_point closest_point_find(const int32_t v[4], int from, int end,
+                                        const struct wide x[4],
+                                        const double c[4], struct wide p);
 /* The squared cosine from which on a surface comes nearer towards a vertex: of
- * a led side, and of a free one. */
-#define FOOT_LED 0x1p-28
-#define FOOT_FREE 0x1p-20
-/* Whether the foot is the nearest point of the triangles around it. */
-bool foot_is_nearest(const struct places *s, const struct fan *fan,
-                     const struct foot *f, double least);
-/* The normal of the triangle at the foot that p is most along, on p's side.
- * False if the squared cosine between them is not above `least` for any. */
-bool foot_turn(const struct places *s, const struct fan *fan,
-               const struct foot *f, double least, struct wide *n);
+ * a prescribed side, and of a free one. */
+#define CLOSEST_PRESCRIBED 0x1p-28
+#define CLOSEST_FREE 0x1p-20
+/* Whether the closest point is the nearest point of the triangles around it. */
+bool closest_point_is_local(const struct places *s,
+                            const struct one_rings *one_rings,
+                            const struct closest_point *f, double least);
+/* The normal of the triangle at the closest point that p is most along, on p's
+ * side. False if the squared cosine between them is not above `least` for any.
+ */
+bool closest_point_normal(const struct places *s,
+                          const struct one_rings *one_rings,
+                          const struct closest_point *f, double least,
+                          struct wide *n);
 
-/* Whether `face`, which has the foot, is the first triangle there that does not
- * have the vertex `other`. */
-bool foot_is_first(const struct fan *fan, const struct foot *f,
-                   const int32_t face[3], int32_t other);
+/* Whether `face`, which has the closest point, is the first triangle there that
+ * does not have the vertex `other`. */
+bool closest_point_is_first(const struct one_rings *one_rings,
+                            const struct closest_point *f,
+                            const int32_t face[3], int32_t other);
 
 #endif

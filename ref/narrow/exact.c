@@ -4,7 +4,7 @@
 #include "ref/narrow/exact.h"
 
 #include "ref/narrow/roots.h"
-#include "ref/narrow/whole.h"
+#include "ref/narrow/system.h"
 
 #include <stddef.h>
 
@@ -47,8 +47,8 @@ static int touching_on(struct big_arena *m, const struct system *s,
 
 /* Whether the primitives touch at root r (§3). Each axis is tried with few
  * words first, then exactly. */
-static bool touching(struct big_arena *m, const struct system *s,
-                     const struct root *r)
+static bool touches_at(struct big_arena *m, const struct system *s,
+                       const struct root *r)
 {
     int touch = ROOT_UNKNOWN;
     for (int k = 0; k < 6 && touch == ROOT_UNKNOWN; k++)
@@ -78,7 +78,7 @@ static bool touching_end(struct big_arena *m, const struct system *s,
                          uint32_t cell)
 {
     struct root r = {.cell = cell, .on_grid = true};
-    return s->v.c[cell ? 3 : 0].sign == 0 && touching(m, s, &r);
+    return s->v.c[cell ? 3 : 0].sign == 0 && touches_at(m, s, &r);
 }
 
 /* The polynomials at whose roots a contact may begin (§6.5). */
@@ -90,8 +90,8 @@ struct list {
 
 /* Whether one of the first n polynomials, if not identically zero, is zero at
  * r. Then r was tried before. */
-static bool tried(struct big_arena *m, const struct list *l, int n,
-                  const struct root *r)
+static bool was_tried(struct big_arena *m, const struct list *l, int n,
+                      const struct root *r)
 {
     for (int k = 0; k < n; k++)
         if (!poly_zero(l->p[k]) && !root_avoids(m, l->p[k], r) &&
@@ -102,18 +102,18 @@ static bool tried(struct big_arena *m, const struct list *l, int n,
 
 /* Whether the primitives touch at root r of polynomial k. Returns false for a
  * root that was tried as a root of an earlier polynomial. */
-static bool begins(struct big_arena *m, const struct system *s,
-                   const struct list *l, int k, const struct root *r)
+static bool begins_contact(struct big_arena *m, const struct system *s,
+                           const struct list *l, int k, const struct root *r)
 {
     if (l->axis >= 0 && root_avoids(m, &s->n[l->axis], r))
         return touching_form(m, s, r, k);
-    return !tried(m, l, k, r) && touching(m, s, r);
+    return !was_tried(m, l, k, r) && touches_at(m, s, r);
 }
 
 /* Returns the lesser of toi and the first root of polynomial k with contact.
  * Polynomials 0 … k-1 must have been tried. */
-static uint32_t first(struct big_arena *m, const struct system *s,
-                      const struct list *l, int k, uint32_t toi)
+static uint32_t first_contact(struct big_arena *m, const struct system *s,
+                              const struct list *l, int k, uint32_t toi)
 {
     struct chain c[2];
     struct root r = {.of = l->p[k]};
@@ -123,7 +123,7 @@ static uint32_t first(struct big_arena *m, const struct system *s,
             root_locate(m, &c[i], j, &r);
             if (r.cell >= toi)
                 break;
-            if (begins(m, s, l, k, &r))
+            if (begins_contact(m, s, l, k, &r))
                 toi = r.cell;
         }
     m->used = mark;
@@ -172,7 +172,7 @@ static struct list to_try(const struct system *s)
     return l;
 }
 
-static uint32_t solve(struct big_arena *m, const struct system *s)
+static uint32_t solve_pair(struct big_arena *m, const struct system *s)
 {
     uint32_t toi = UINT32_MAX;
     if (touching_end(m, s, 0))
@@ -181,7 +181,7 @@ static uint32_t solve(struct big_arena *m, const struct system *s)
         toi = ROOT_ONE;
     struct list l = to_try(s);
     for (int k = 0; k < l.n; k++)
-        toi = first(m, s, &l, k, toi);
+        toi = first_contact(m, s, &l, k, toi);
     return toi;
 }
 
@@ -191,6 +191,6 @@ int exact_first(double x[2][4][3], int kind, uint32_t *word, int n,
     struct big_arena m = {.word = word, .size = n};
     struct system s;
     system_make(&m, x, kind, &s);
-    *toi = solve(&m, &s);
+    *toi = solve_pair(&m, &s);
     return m.full ? -1 : m.most;
 }

@@ -13,7 +13,7 @@
 #define UNDERFLOW 0x1p-800  /* bounds the loss by underflow */
 #define RANGE 0x1p200       /* largest δ that the proof covers */
 
-static void subtract(const double a[3], const double b[3], double c[3])
+static void subtract_points(const double a[3], const double b[3], double c[3])
 {
     for (int k = 0; k < 3; k++)
         c[k] = a[k] - b[k];
@@ -24,7 +24,7 @@ void motion_vf(double x[2][4][3], struct motion *m)
     m->count = 3;
     for (int j = 0; j < 3; j++)
         for (int t = 0; t < 2; t++) {
-            subtract(x[t][j + 1], x[t][0], m->f[j].at[t]);
+            subtract_points(x[t][j + 1], x[t][0], m->f[j].at[t]);
             memcpy(m->box[j].at[t], m->f[j].at[t], sizeof m->f[j].at[t]);
         }
 }
@@ -33,34 +33,34 @@ void motion_ee(double x[2][4][3], struct motion *m)
 {
     m->count = 4;
     for (int t = 0; t < 2; t++) {
-        subtract(x[t][2], x[t][0], m->f[0].at[t]);
-        subtract(x[t][1], x[t][0], m->f[1].at[t]);
-        subtract(x[t][3], x[t][2], m->f[2].at[t]);
-        subtract(x[t][2], x[t][0], m->box[0].at[t]);
-        subtract(x[t][3], x[t][0], m->box[1].at[t]);
-        subtract(x[t][2], x[t][1], m->box[2].at[t]);
-        subtract(x[t][3], x[t][1], m->box[3].at[t]);
+        subtract_points(x[t][2], x[t][0], m->f[0].at[t]);
+        subtract_points(x[t][1], x[t][0], m->f[1].at[t]);
+        subtract_points(x[t][3], x[t][2], m->f[2].at[t]);
+        subtract_points(x[t][2], x[t][0], m->box[0].at[t]);
+        subtract_points(x[t][3], x[t][0], m->box[1].at[t]);
+        subtract_points(x[t][2], x[t][1], m->box[2].at[t]);
+        subtract_points(x[t][3], x[t][1], m->box[3].at[t]);
     }
 }
 
 /* Whether on axis k all box forms keep one strict sign (§4.1), so that the pair
  * misses. No error bound is needed: a rounded difference has the exact sign.
  * *most is the largest magnitude. */
-static bool apart(const struct motion *m, int k, double *most)
+static bool is_apart(const struct motion *m, int k, double *most)
 {
     double lo = m->box[0].at[0][k], hi = lo;
     for (int j = 0; j < m->count; j++)
         for (int t = 0; t < 2; t++) {
-            lo = smaller(lo, m->box[j].at[t][k]);
-            hi = larger(hi, m->box[j].at[t][k]);
+            lo = smaller_of(lo, m->box[j].at[t][k]);
+            hi = larger_of(hi, m->box[j].at[t][k]);
         }
-    *most = larger(-lo, hi);
+    *most = larger_of(-lo, hi);
     return lo > 0 || hi < 0;
 }
 
 /* Writes component k of f × g in Bernstein form. */
-static void cross(const struct linear *f, const struct linear *g, int k,
-                  double c[3])
+static void cross_forms(const struct linear *f, const struct linear *g, int k,
+                        double c[3])
 {
     const double *a0 = f->at[0], *a1 = f->at[1], *b0 = g->at[0], *b1 = g->at[1];
     int i = k == 2 ? 0 : k + 1, j = 3 - k - i;
@@ -70,31 +70,31 @@ static void cross(const struct linear *f, const struct linear *g, int k,
     c[2] = a1[i] * b1[j] - a1[j] * b1[i];
 }
 
-static double dot(const double a[3], const struct forms *s, int i)
+static double dot_form(const double a[3], const struct forms *s, int i)
 {
     return a[0] * s->q[0][0][i] + a[1] * s->q[0][1][i] + a[2] * s->q[0][2][i];
 }
 
 /* Writes V = f · (g × h). The cross product must be in s->q[0]. */
-static void cubic(const struct linear *f, struct forms *s)
+static void write_cubic(const struct linear *f, struct forms *s)
 {
     const double *a = f->at[0], *b = f->at[1];
-    s->v[0] = dot(a, s, 0);
-    s->v[1] = (dot(b, s, 0) + 2 * dot(a, s, 1)) / 3;
-    s->v[2] = (dot(a, s, 2) + 2 * dot(b, s, 1)) / 3;
-    s->v[3] = dot(b, s, 2);
+    s->v[0] = dot_form(a, s, 0);
+    s->v[1] = (dot_form(b, s, 0) + 2 * dot_form(a, s, 1)) / 3;
+    s->v[2] = (dot_form(a, s, 2) + 2 * dot_form(b, s, 1)) / 3;
+    s->v[3] = dot_form(b, s, 2);
 }
 
 /* Sets the error bounds of §4.3. Returns false where the inputs are beyond the
  * range of the proof. */
-static bool bounds(const struct motion *m, struct forms *s)
+static bool set_error_bounds(const struct motion *m, struct forms *s)
 {
     double d[3];
     for (int k = 0; k < 3; k++) {
         d[k] = 0;
         for (int j = 0; j < 6; j++) {
             double a = m->f[j / 2].at[j % 2][k];
-            d[k] = larger(d[k], larger(a, -a));
+            d[k] = larger_of(d[k], larger_of(a, -a));
         }
         if (!(d[k] <= RANGE))
             return false;
@@ -113,13 +113,13 @@ static void make_forms(const struct motion *m, struct forms *s)
     for (int k = 0; k < 3; k++) {
         double n[3];
         if (m->count == 3) {
-            cross(&m->f[2], &m->f[0], k, s->q[1][k]);
-            cross(&m->f[0], &m->f[1], k, s->q[2][k]);
+            cross_forms(&m->f[2], &m->f[0], k, s->q[1][k]);
+            cross_forms(&m->f[0], &m->f[1], k, s->q[2][k]);
             continue;
         }
         memcpy(n, s->q[0][k], sizeof n);
-        cross(&m->f[0], &m->f[2], k, s->q[0][k]);
-        cross(&m->f[0], &m->f[1], k, s->q[2][k]);
+        cross_forms(&m->f[0], &m->f[2], k, s->q[0][k]);
+        cross_forms(&m->f[0], &m->f[1], k, s->q[2][k]);
         for (int i = 0; i < 3; i++) {
             s->q[1][k][i] = n[i] - s->q[0][k][i];
             s->q[3][k][i] = n[i] - s->q[2][k][i];
@@ -129,7 +129,7 @@ static void make_forms(const struct motion *m, struct forms *s)
 
 /* Whether two forms have strictly opposite signs on one axis, beyond their
  * errors: then there is no contact (§3b). */
-static bool opposite(const struct forms *s, int count)
+static bool has_opposite_forms(const struct forms *s, int count)
 {
     for (int k = 0; k < 3; k++) {
         bool up = false, down = false;
@@ -149,19 +149,19 @@ int filter_signs(const struct motion *m, struct forms *s, bool *inside)
     *inside = true;
     for (int k = 0; k < 3; k++) {
         double most;
-        if (apart(m, k, &most))
+        if (is_apart(m, k, &most))
             return FILTER_MISS;
         s->eb[k] = ERROR_BOX * most + UNDERFLOW;
     }
-    if (!bounds(m, s)) {
+    if (!set_error_bounds(m, s)) {
         *inside = false;
         return FILTER_UNSURE;
     }
     for (int k = 0; k < 3; k++)
-        cross(&m->f[1], &m->f[2], k, s->q[0][k]);
-    cubic(&m->f[0], s);
+        cross_forms(&m->f[1], &m->f[2], k, s->q[0][k]);
+    write_cubic(&m->f[0], s);
     if (filter_sign(s->v, 4, s->ev))
         return FILTER_MISS;
     make_forms(m, s);
-    return opposite(s, m->count) ? FILTER_MISS : FILTER_UNSURE;
+    return has_opposite_forms(s, m->count) ? FILTER_MISS : FILTER_UNSURE;
 }

@@ -45,12 +45,12 @@ void motion_ee(double x[2][4][3], struct motion *m);
 int filter_signs(const struct motion *m, struct forms *s, bool *inside);
 
 /* Maximum and minimum; both return b if a equals b. */
-static inline double larger(double a, double b)
+static inline double larger_of(double a, double b)
 {
     return a > b ? a : b;
 }
 
-static inline double smaller(double a, double b)
+static inline double smaller_of(double a, double b)
 {
     return a < b ? a : b;
 }
@@ -61,8 +61,8 @@ static inline int filter_sign(const double *c, int n, double e)
 {
     double lo = c[0], hi = c[0];
     for (int i = 1; i < n; i++) {
-        lo = smaller(lo, c[i]);
-        hi = larger(hi, c[i]);
+        lo = smaller_of(lo, c[i]);
+        hi = larger_of(hi, c[i]);
     }
     return lo > e ? 1 : hi < -e ? -1 : 0;
 }

@@ -8,7 +8,7 @@
 #include "ref/narrow/split.h"
 
 /* Widens positions to binary64, which is exact. */
-static void widen(const vec x0[4], const vec x1[4], double x[2][4][3])
+static void widen_positions(const vec x0[4], const vec x1[4], double x[2][4][3])
 {
     for (int j = 0; j < 4; j++) {
         x[0][j][0] = (double)x0[j].x;
@@ -29,7 +29,7 @@ static uint32_t decide_exactly(double x[2][4][3], int kind, uint32_t least)
 }
 
 /* Runs the tiers of §1 in turn until one of them decides. */
-static uint32_t decide(double x[2][4][3], int kind, int *tier)
+static uint32_t decide_pair(double x[2][4][3], int kind, int *tier)
 {
     struct motion m;
     struct forms s;
@@ -53,15 +53,15 @@ static uint32_t decide(double x[2][4][3], int kind, int *tier)
 uint32_t narrow_vf(const vec x0[4], const vec x1[4], int *tier)
 {
     double x[2][4][3];
-    widen(x0, x1, x);
-    return decide(x, 0, tier);
+    widen_positions(x0, x1, x);
+    return decide_pair(x, 0, tier);
 }
 
 uint32_t narrow_ee(const vec x0[4], const vec x1[4], int *tier)
 {
     double x[2][4][3];
-    widen(x0, x1, x);
-    return decide(x, 1, tier);
+    widen_positions(x0, x1, x);
+    return decide_pair(x, 1, tier);
 }
 
 static bool is_finite(vec a)

@@ -3,7 +3,7 @@
  * roots of a quadratic. spec/narrow/narrow.md §6.3 */
 #include "ref/narrow/point.h"
 
-#include "ref/narrow/near.h"
+#include "ref/narrow/approx.h"
 
 #include <stddef.h>
 
@@ -15,19 +15,20 @@ bool poly_zero(const struct poly *p)
     return true;
 }
 
-/* Returns a·d - b·c modulo NEAR_PRIME. */
+/* Returns a·d - b·c modulo APPROX_PRIME. */
 static uint64_t det_rest(uint64_t a, uint64_t b, uint64_t c, uint64_t d)
 {
-    return (a * d % NEAR_PRIME + NEAR_PRIME - b * c % NEAR_PRIME) % NEAR_PRIME;
+    return (a * d % APPROX_PRIME + APPROX_PRIME - b * c % APPROX_PRIME) %
+           APPROX_PRIME;
 }
 
 bool poly_coprime(const struct poly *p, const struct poly *f)
 {
     uint32_t a[3] = {0}, b[3] = {0};
     for (int i = 0; i <= p->degree; i++)
-        a[i] = near_rest(p->c[i]);
+        a[i] = approx_rest(p->c[i]);
     for (int i = 0; i <= f->degree; i++)
-        b[i] = near_rest(f->c[i]);
+        b[i] = approx_rest(f->c[i]);
     uint64_t x = det_rest(a[2], b[2], a[0], b[0]);
     uint64_t y = det_rest(a[2], b[2], a[1], b[1]);
     return det_rest(x, y, det_rest(a[1], b[1], a[0], b[0]), x) != 0;
@@ -38,100 +39,104 @@ bool poly_coprime(const struct poly *p, const struct poly *f)
 static int sign_fraction(struct big_arena *m, const struct poly *f,
                          const struct point *p)
 {
-    struct near a = near_of(m, p->a), b = near_of(m, p->b), power = b;
+    struct approx a = approx_of(m, p->a), b = approx_of(m, p->b), power = b;
     a.low += p->k;
-    struct near r = near_of(m, f->c[f->degree]);
+    struct approx r = approx_of(m, f->c[f->degree]);
     for (int i = f->degree - 1; i >= 0; i--) {
-        r = near_mul(m, r, a);
+        r = approx_mul(m, r, a);
         if (f->c[i].sign)
-            r = near_add(m, r, near_mul(m, near_of(m, f->c[i]), power));
+            r = approx_add(m, r, approx_mul(m, approx_of(m, f->c[i]), power));
         if (i > 0)
-            power = near_mul(m, power, b);
+            power = approx_mul(m, power, b);
     }
-    return near_tell(m, r);
+    return approx_decide(m, r);
 }
 
 /* Returns sign · (v0·v1 - v2·v3), computed with m->keep words. */
-static struct near det(struct big_arena *m, int sign, const struct near v[4])
+static struct approx signed_determinant(struct big_arena *m, int sign,
+                                        const struct approx v[4])
 {
     int mark = m->used;
-    struct near x = near_mul(m, v[0], v[1]), y = near_mul(m, v[2], v[3]);
-    struct near r = sign < 0 ? near_sub(m, y, x) : near_sub(m, x, y);
+    struct approx x = approx_mul(m, v[0], v[1]), y = approx_mul(m, v[2], v[3]);
+    struct approx r = sign < 0 ? approx_sub(m, y, x) : approx_sub(m, x, y);
     r.m = big_keep(m, mark, r.m);
     return r;
 }
 
 /* Writes g, of degree at most 2: a positive multiple of f modulo the quadratic
  * a τ² + b τ + c. */
-static void lower(struct big_arena *m, const struct poly *f,
-                  const struct near q[3], struct near g[3])
+static void lower_degree(struct big_arena *m, const struct poly *f,
+                         const struct approx q[3], struct approx g[3])
 {
-    struct near c = q[0], b = q[1], a = q[2];
+    struct approx c = q[0], b = q[1], a = q[2];
     int s = a.m.sign;
     for (int i = 0; i < 3; i++) {
         struct big zero = {0};
-        g[i] = near_of(m, i <= f->degree ? f->c[i] : zero);
+        g[i] = approx_of(m, i <= f->degree ? f->c[i] : zero);
     }
     if (f->degree < 3 || f->c[3].sign == 0)
         return;
-    struct near lead = near_of(m, f->c[3]);
-    g[2] = det(m, s, (struct near[4]){g[2], a, lead, b});
-    g[1] = det(m, s, (struct near[4]){g[1], a, lead, c});
-    g[0] = near_mul(m, g[0], a);
-    g[0] = s < 0 ? near_negate(g[0]) : g[0];
+    struct approx lead = approx_of(m, f->c[3]);
+    g[2] = signed_determinant(m, s, (struct approx[4]){g[2], a, lead, b});
+    g[1] = signed_determinant(m, s, (struct approx[4]){g[1], a, lead, c});
+    g[0] = approx_mul(m, g[0], a);
+    g[0] = s < 0 ? approx_negate(g[0]) : g[0];
 }
 
 /* Writes l[1]·τ + l[0], a positive multiple of g modulo the quadratic q.
  * Returns the sign of the resultant of the two, which is negative where
  * -l[0]/l[1] lies between the roots of q. */
-static int reduce(struct big_arena *m, const struct near g[3],
-                  const struct near q[3], struct near l[2])
+static int reduce_to_linear(struct big_arena *m, const struct approx g[3],
+                            const struct approx q[3], struct approx l[2])
 {
-    struct near c = q[0], b = q[1], a = q[2], r;
+    struct approx c = q[0], b = q[1], a = q[2], r;
     int s = a.m.sign;
-    struct near x = det(m, 1, (struct near[4]){b, g[0], c, g[1]});
-    bool linear = near_sign(g[2]) == 0;
+    struct approx x =
+        signed_determinant(m, 1, (struct approx[4]){b, g[0], c, g[1]});
+    bool linear = approx_sign(g[2]) == 0;
     l[0] = g[0];
     l[1] = g[1];
     if (!linear) {
-        l[1] = det(m, s, (struct near[4]){g[1], a, g[2], b});
-        l[0] = det(m, s, (struct near[4]){g[0], a, g[2], c});
-        x = s < 0 ? near_negate(x) : x;
+        l[1] = signed_determinant(m, s, (struct approx[4]){g[1], a, g[2], b});
+        l[0] = signed_determinant(m, s, (struct approx[4]){g[0], a, g[2], c});
+        x = s < 0 ? approx_negate(x) : x;
     }
-    r = linear ? near_mul(m, a, l[0]) : l[0];
-    r = det(m, linear ? s : 1, (struct near[4]){r, l[0], x, l[1]});
-    return near_tell(m, r);
+    r = linear ? approx_mul(m, a, l[0]) : l[0];
+    r = signed_determinant(m, linear ? s : 1,
+                           (struct approx[4]){r, l[0], x, l[1]});
+    return approx_decide(m, r);
 }
 
 /* Returns the sign of b l1 - 2 a l0 for the quadratic a τ² + b τ + c. */
-static int slope(struct big_arena *m, const struct near q[3],
-                 const struct near l[2])
+static int slope_sign(struct big_arena *m, const struct approx q[3],
+                      const struct approx l[2])
 {
-    struct near b = near_few(q[1]), a = near_few(q[2]);
-    struct near two = near_times(m, l[0], 2);
-    int sign = near_sign(
-        det(m, 1, (struct near[4]){b, near_few(l[1]), a, near_few(two)}));
-    if (sign != NEAR_UNKNOWN)
+    struct approx b = approx_few(q[1]), a = approx_few(q[2]);
+    struct approx two = approx_times(m, l[0], 2);
+    int sign = approx_sign(signed_determinant(
+        m, 1, (struct approx[4]){b, approx_few(l[1]), a, approx_few(two)}));
+    if (sign != APPROX_UNKNOWN)
         return sign;
-    return near_tell(m, det(m, 1, (struct near[4]){q[1], l[1], q[2], two}));
+    return approx_decide(
+        m, signed_determinant(m, 1, (struct approx[4]){q[1], l[1], q[2], two}));
 }
 
 /* Finds the signs of f at the two real roots of a quadratic (§6.3). */
 static void sign_surd(struct big_arena *m, const struct poly *f,
                       const struct poly *of, int out[2])
 {
-    struct near l[2], q[3], g[3];
+    struct approx l[2], q[3], g[3];
     for (int i = 0; i < 3; i++)
-        q[i] = near_of(m, of->c[i]);
-    lower(m, f, q, g);
-    int z = reduce(m, g, q, l), sign = near_tell(m, l[1]), w = 0;
+        q[i] = approx_of(m, of->c[i]);
+    lower_degree(m, f, q, g);
+    int z = reduce_to_linear(m, g, q, l), sign = approx_decide(m, l[1]), w = 0;
     int lead = of->c[2].sign;
-    out[0] = out[1] = sign ? sign : near_sign(l[0]);
-    if (sign == 0 || sign == NEAR_UNKNOWN)
+    out[0] = out[1] = sign ? sign : approx_sign(l[0]);
+    if (sign == 0 || sign == APPROX_UNKNOWN)
         return;
     if (z == 0 || z == 1) /* the side of the roots' midpoint on which -l0/l1
                              lies */
-        w = slope(m, q, l);
+        w = slope_sign(m, q, l);
     for (int which = 0; which < 2; which++) {
         int past; /* sign of (root + l0/l1) */
         if (z < 0)
@@ -142,15 +147,15 @@ static void sign_surd(struct big_arena *m, const struct poly *f,
             past = -w * lead * sign;
         out[which] = past * sign;
     }
-    if (z == NEAR_UNKNOWN || w == NEAR_UNKNOWN)
-        out[0] = out[1] = NEAR_UNKNOWN;
+    if (z == APPROX_UNKNOWN || w == APPROX_UNKNOWN)
+        out[0] = out[1] = APPROX_UNKNOWN;
 }
 
 void point_sign(struct big_arena *m, const struct poly *f,
                 const struct point *p, int sign[2])
 {
     int mark = m->used;
-    m->keep = NEAR_FEW;
+    m->keep = APPROX_FEW;
     do {
         if (p->q)
             sign_surd(m, f, p->q, sign);
@@ -158,16 +163,17 @@ void point_sign(struct big_arena *m, const struct poly *f,
             sign[0] = sign[1] = sign_fraction(m, f, p);
         m->used = mark;
         m->keep *= 2;
-    } while (sign[0] == NEAR_UNKNOWN);
+    } while (sign[0] == APPROX_UNKNOWN);
 }
 
 int poly_discriminant(struct big_arena *m, const struct big c[3])
 {
-    int mark = m->used, sign = NEAR_UNKNOWN;
-    for (m->keep = NEAR_FEW; sign == NEAR_UNKNOWN; m->keep *= 2) {
-        struct near a = near_times(m, near_of(m, c[2]), 4);
-        struct near b = near_of(m, c[1]), d = near_of(m, c[0]);
-        sign = near_tell(m, det(m, 1, (struct near[4]){b, b, a, d}));
+    int mark = m->used, sign = APPROX_UNKNOWN;
+    for (m->keep = APPROX_FEW; sign == APPROX_UNKNOWN; m->keep *= 2) {
+        struct approx a = approx_times(m, approx_of(m, c[2]), 4);
+        struct approx b = approx_of(m, c[1]), d = approx_of(m, c[0]);
+        sign = approx_decide(
+            m, signed_determinant(m, 1, (struct approx[4]){b, b, a, d}));
         m->used = mark;
     }
     return sign;
@@ -177,23 +183,23 @@ int poly_sign_cell(struct big_arena *m, const struct poly *f, uint32_t g)
 {
     int mark = m->used, up = 0, down = 0, n = f->degree;
     uint32_t t[2] = {g, g + 1}, s[2] = {ROOT_ONE - g, ROOT_ONE - g - 1};
-    m->keep = NEAR_FEW;
+    m->keep = APPROX_FEW;
     for (int i = 0; i <= n; i++) {
         /* the polar form at n - i times g and i times g + 1 */
         uint32_t a = t[i > 0], b = s[i > 0], c = t[i == n], d = s[i == n];
-        struct near f0 = near_of(m, f->c[0]), f1 = near_of(m, f->c[1]), r;
+        struct approx f0 = approx_of(m, f->c[0]), f1 = approx_of(m, f->c[1]), r;
         if (n == 1) {
-            r = near_add(m, near_times(m, f0, b), near_times(m, f1, a));
+            r = approx_add(m, approx_times(m, f0, b), approx_times(m, f1, a));
         } else {
-            struct near f2 = near_of(m, f->c[2]);
-            struct near x = near_times(m, f0, 2 * b);
-            struct near y = near_times(m, f1, b);
-            x = near_add(m, x, near_times(m, f1, a));
-            y = near_add(m, y, near_times(m, f2, 2 * a));
-            r = near_add(m, near_times(m, x, d), near_times(m, y, c));
+            struct approx f2 = approx_of(m, f->c[2]);
+            struct approx x = approx_times(m, f0, 2 * b);
+            struct approx y = approx_times(m, f1, b);
+            x = approx_add(m, x, approx_times(m, f1, a));
+            y = approx_add(m, y, approx_times(m, f2, 2 * a));
+            r = approx_add(m, approx_times(m, x, d), approx_times(m, y, c));
         }
-        up += near_sign(r) > 0; /* NEAR_UNKNOWN counts as both signs */
-        down += near_sign(r) < 0 || near_sign(r) == NEAR_UNKNOWN;
+        up += approx_sign(r) > 0; /* APPROX_UNKNOWN counts as both signs */
+        down += approx_sign(r) < 0 || approx_sign(r) == APPROX_UNKNOWN;
     }
     m->used = mark;
     return up && down ? 2 : up ? 1 : -(down > 0);
@@ -205,19 +211,20 @@ int poly_sign_octave(struct big_arena *m, const struct poly *f, int e)
      * linear f uses the first and the last. */
     static const uint32_t weight[3][3] = {{1, 1, 1}, {2, 3, 4}, {1, 2, 4}};
     int mark = m->used, n = f->degree, up = 0, down = 0;
-    struct near c[3] = {0};
-    m->keep = NEAR_FEW;
+    struct approx c[3] = {0};
+    m->keep = APPROX_FEW;
     for (int i = 0; i <= n; i++) { /* scaled so that all powers are whole */
         int shift = e < 0 ? (i - n) * e : i * e;
-        c[i] = near_times(m, near_of(m, f->c[i]), UINT32_C(1) << shift % 32);
+        c[i] =
+            approx_times(m, approx_of(m, f->c[i]), UINT32_C(1) << shift % 32);
         c[i].low += shift / 32;
     }
     for (int j = 0; j < 3; j += 3 - n) {
-        struct near sum = near_times(m, c[0], weight[j][0]);
+        struct approx sum = approx_times(m, c[0], weight[j][0]);
         for (int i = 1; i <= n; i++)
-            sum = near_add(m, sum, near_times(m, c[i], weight[j][i]));
-        up += near_sign(sum) == 1;
-        down += near_sign(sum) == -1;
+            sum = approx_add(m, sum, approx_times(m, c[i], weight[j][i]));
+        up += approx_sign(sum) == 1;
+        down += approx_sign(sum) == -1;
     }
     m->used = mark;
     return up == n + 1 ? 1 : down == n + 1 ? -1 : 2;

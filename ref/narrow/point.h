@@ -29,7 +29,7 @@ struct point {
 bool poly_zero(const struct poly *p);
 /* A sufficient test: true only where p and f, of degree at most 2, have no
  * common root. Their resultant as quadratics is then nonzero modulo
- * NEAR_PRIME. */
+ * APPROX_PRIME. */
 bool poly_coprime(const struct poly *p, const struct poly *f);
 /* Returns the time t = g·2^-30, g ≤ 2^30. */
 struct point point_grid(struct big_arena *m, uint32_t g);

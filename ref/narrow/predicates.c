@@ -22,7 +22,7 @@ struct parts {
 };
 
 /* An integer of n ≤ WORDS words, lowest word first, word[n-1] not 0. */
-struct whole {
+struct integer {
     uint32_t word[WORDS];
     int n;
     bool negative;
@@ -84,7 +84,7 @@ static struct span span_of(const struct parts *p, int n)
 }
 
 /* Adds m·2^shift to a number of n words. */
-static void place(uint32_t *word, int n, uint64_t m, int shift)
+static void add_shifted(uint32_t *word, int n, uint64_t m, int shift)
 {
     uint32_t piece[3];
     int at = shift / 32, by = shift % 32;
@@ -99,7 +99,7 @@ static void place(uint32_t *word, int n, uint64_t m, int shift)
     }
 }
 
-static int compare(const uint32_t *a, const uint32_t *b, int n)
+static int compare_words(const uint32_t *a, const uint32_t *b, int n)
 {
     for (int k = n - 1; k >= 0; k--)
         if (a[k] != b[k])
@@ -108,15 +108,16 @@ static int compare(const uint32_t *a, const uint32_t *b, int n)
 }
 
 /* Returns x - y in units of 2^s.e. */
-static struct whole subtract(struct parts x, struct parts y, struct span s)
+static struct integer subtract_parts(struct parts x, struct parts y,
+                                     struct span s)
 {
     uint32_t side[2][WORDS] = {{0}};
     if (x.m != 0)
-        place(side[x.negative], s.words, x.m, x.e - s.e);
+        add_shifted(side[x.negative], s.words, x.m, x.e - s.e);
     if (y.m != 0)
-        place(side[!y.negative], s.words, y.m, y.e - s.e);
-    struct whole r;
-    r.negative = compare(side[0], side[1], s.words) < 0;
+        add_shifted(side[!y.negative], s.words, y.m, y.e - s.e);
+    struct integer r;
+    r.negative = compare_words(side[0], side[1], s.words) < 0;
     const uint32_t *big = side[r.negative], *small = side[!r.negative];
     uint64_t borrow = 0;
     for (int k = 0; k < s.words; k++) {
@@ -130,8 +131,8 @@ static struct whole subtract(struct parts x, struct parts y, struct span s)
 }
 
 /* Writes r = a·b, which has na + nb words. */
-static void multiply(uint32_t *r, const uint32_t *a, int na, const uint32_t *b,
-                     int nb)
+static void multiply_words(uint32_t *r, const uint32_t *a, int na,
+                           const uint32_t *b, int nb)
 {
     for (int k = 0; k < na + nb; k++)
         r[k] = 0;
@@ -159,48 +160,51 @@ static void add_term(struct balance *s, bool negative, const uint32_t *term,
     }
 }
 
-int ref_orient3_whole(const point a, const point b, const point c,
-                      const point d)
+int ref_orient3_integer(const point a, const point b, const point c,
+                        const point d)
 {
     const double *const row[4] = {b, c, d, a};
     struct parts p[12];
     for (int k = 0; k < 12; k++)
         p[k] = take_apart(row[k / 3][k % 3]);
     struct span s = span_of(p, 12);
-    struct whole m[3][3];
+    struct integer m[3][3];
     for (int k = 0; k < 9; k++)
-        m[k / 3][k % 3] = subtract(p[k], p[9 + k % 3], s);
+        m[k / 3][k % 3] = subtract_parts(p[k], p[9 + k % 3], s);
 
     struct balance sum = {.n = 3 * s.words + 1};
     uint32_t two[2 * WORDS], three[3 * WORDS];
     for (int k = 0; k < 6; k++) {
         /* (i, j, l) are the permutations of the columns; k < 3 are even. */
         int i = k % 3, j = (i + (k < 3 ? 1 : 2)) % 3, l = 3 - i - j;
-        const struct whole *x = &m[0][i], *y = &m[1][j], *z = &m[2][l];
+        const struct integer *x = &m[0][i], *y = &m[1][j], *z = &m[2][l];
         if (x->n == 0 || y->n == 0 || z->n == 0)
             continue;
-        multiply(two, x->word, x->n, y->word, y->n);
-        multiply(three, two, x->n + y->n, z->word, z->n);
+        multiply_words(two, x->word, x->n, y->word, y->n);
+        multiply_words(three, two, x->n + y->n, z->word, z->n);
         add_term(&sum, (k >= 3) ^ x->negative ^ y->negative ^ z->negative,
                  three, x->n + y->n + z->n);
     }
-    return compare(sum.word[0], sum.word[1], sum.n);
+    return compare_words(sum.word[0], sum.word[1], sum.n);
 }
 
-int ref_orient2_whole(const point a, const point b, const point c, int u, int v)
+int ref_orient2_integer(const point a, const point b, const point c, int u,
+                        int v)
 {
     struct parts p[6] = {take_apart(b[u]), take_apart(b[v]), take_apart(c[u]),
                          take_apart(c[v]), take_apart(a[u]), take_apart(a[v])};
     struct span s = span_of(p, 6);
-    struct whole bu = subtract(p[0], p[4], s), bv = subtract(p[1], p[5], s);
-    struct whole cu = subtract(p[2], p[4], s), cv = subtract(p[3], p[5], s);
+    struct integer bu = subtract_parts(p[0], p[4], s),
+                   bv = subtract_parts(p[1], p[5], s);
+    struct integer cu = subtract_parts(p[2], p[4], s),
+                   cv = subtract_parts(p[3], p[5], s);
     struct balance sum = {.n = 2 * s.words + 1};
     uint32_t two[2 * WORDS];
-    multiply(two, bu.word, bu.n, cv.word, cv.n);
+    multiply_words(two, bu.word, bu.n, cv.word, cv.n);
     add_term(&sum, bu.negative ^ cv.negative, two, bu.n + cv.n);
-    multiply(two, bv.word, bv.n, cu.word, cu.n);
+    multiply_words(two, bv.word, bv.n, cu.word, cu.n);
     add_term(&sum, !(bv.negative ^ cu.negative), two, bv.n + cu.n);
-    return compare(sum.word[0], sum.word[1], sum.n);
+    return compare_words(sum.word[0], sum.word[1], sum.n);
 }
 
 int ref_orient3(const point a, const point b, const point c, const point d)
@@ -224,7 +228,7 @@ int ref_orient3(const point a, const point b, const point c, const point d)
     if ((bx == 0 && cx == 0 && dx == 0) || (by == 0 && cy == 0 && dy == 0) ||
         (bz == 0 && cz == 0 && dz == 0))
         return 0;
-    return ref_orient3_whole(a, b, c, d);
+    return ref_orient3_integer(a, b, c, d);
 }
 
 int ref_orient2(const point a, const point b, const point c, int u, int v)
@@ -240,5 +244,5 @@ int ref_orient2(const point a, const point b, const point c, int u, int v)
         return -1;
     if ((bu == 0 && cu == 0) || (bv == 0 && cv == 0))
         return 0;
-    return ref_orient2_whole(a, b, c, u, v);
+    return ref_orient2_integer(a, b, c, u, v);
 }

@@ -12,14 +12,14 @@ typedef double point[3];
  * lies on the side to which the normal of the triangle abc points. */
 int ref_orient3(const point a, const point b, const point c, const point d);
 
-/* Returns the exact sign of the turn a b c in the coordinates u and v: 1 is
+/* Returns the exact orientation of a b c in the coordinates u and v: 1 is
  * counterclockwise. */
 int ref_orient2(const point a, const point b, const point c, int u, int v);
 
 /* The same predicates in integers alone, without the filter, for tests. */
-int ref_orient3_whole(const point a, const point b, const point c,
-                      const point d);
-int ref_orient2_whole(const point a, const point b, const point c, int u,
-                      int v);
+int ref_orient3_integer(const point a, const point b, const point c,
+                        const point d);
+int ref_orient2_integer(const point a, const point b, const point c, int u,
+                        int v);
 
 #endif

@@ -7,7 +7,7 @@
 #include <stddef.h>
 
 /* Counts sign variations; zeros are skipped. */
-static int variations(const int *sign, int n)
+static int count_sign_changes(const int *sign, int n)
 {
     int last = 0, count = 0;
     for (int i = 0; i < n; i++) {
@@ -19,7 +19,7 @@ static int variations(const int *sign, int n)
 
 /* Removes zero coefficients at both ends, which are roots at t = 0 and t =
  * 1. */
-static struct poly trimmed(const struct poly *p)
+static struct poly trim_polynomial(const struct poly *p)
 {
     struct poly r = {0};
     int lo = 0, hi = p->degree;
@@ -33,7 +33,7 @@ static struct poly trimmed(const struct poly *p)
     return r;
 }
 
-static struct poly linear(struct big c1, struct big c0)
+static struct poly make_linear(struct big c1, struct big c0)
 {
     struct poly p = {1, {c0, c1}};
     return p;
@@ -41,7 +41,8 @@ static struct poly linear(struct big c1, struct big c0)
 
 /* Writes the Hessian of a cubic. Its discriminant is -3 times the cubic's
  * (§6.2). */
-static void hessian(struct big_arena *m, const struct big c[4], struct big h[3])
+static void write_hessian(struct big_arena *m, const struct big c[4],
+                          struct big h[3])
 {
     h[2] = big_det(m, c[2], c[2], big_times(m, c[3], 3), c[1]);
     h[1] = big_det(m, c[2], c[1], big_times(m, c[3], 9), c[0]);
@@ -55,8 +56,8 @@ static void count_roots(struct chain *c)
     int first[4] = {c->p.c[0].sign, c->d.c[0].sign, c->r.c[0].sign, c->tail};
     int last[4] = {s, s, c->r.c[1].sign ? c->r.c[1].sign : c->r.c[0].sign,
                    c->tail};
-    c->start = variations(first, 4);
-    c->roots = c->start - variations(last, 4);
+    c->start = count_sign_changes(first, 4);
+    c->roots = c->start - count_sign_changes(last, 4);
 }
 
 /* Sets c->p to p, which has no repeated roots, and c->d to its derivative. The
@@ -75,24 +76,25 @@ static void start_chain(struct big_arena *m, struct poly p, struct chain *c)
 static int cubic_chains(struct big_arena *m, struct poly p, struct chain c[2])
 {
     struct big h[3], a = p.c[3], b = p.c[2];
-    hessian(m, p.c, h);
+    write_hessian(m, p.c, h);
     int disc = poly_discriminant(m, h), s = a.sign;
     if (disc) {
         start_chain(m, p, &c[0]);
         c[0].tail = -disc * s;
-        c[0].r = linear(big_times(m, h[2], 2), h[1]);
+        c[0].r = make_linear(big_times(m, h[2], 2), h[1]);
         if (s < 0)
-            c[0].r = linear(big_negate(c[0].r.c[1]), big_negate(h[1]));
+            c[0].r = make_linear(big_negate(c[0].r.c[1]), big_negate(h[1]));
         count_roots(&c[0]);
         return 1;
     }
     if (h[2].sign == 0) { /* a triple root */
-        start_chain(m, linear(big_times(m, a, 3), b), &c[0]);
+        start_chain(m, make_linear(big_times(m, a, 3), b), &c[0]);
         count_roots(&c[0]);
         return 1;
     }
-    start_chain(m, linear(big_times(m, h[2], 2), h[1]), &c[0]);
-    start_chain(m, linear(big_mul(m, a, h[2]), big_det(m, b, h[2], a, h[1])),
+    start_chain(m, make_linear(big_times(m, h[2], 2), h[1]), &c[0]);
+    start_chain(m,
+                make_linear(big_mul(m, a, h[2]), big_det(m, b, h[2], a, h[1])),
                 &c[1]);
     count_roots(&c[0]);
     count_roots(&c[1]);
@@ -102,10 +104,11 @@ static int cubic_chains(struct big_arena *m, struct poly p, struct chain c[2])
 int chains_make(struct big_arena *m, const struct poly *p, struct chain c[2])
 {
     int sign[4];
-    struct poly f = trimmed(p);
+    struct poly f = trim_polynomial(p);
     for (int i = 0; i <= f.degree; i++)
         sign[i] = f.c[i].sign;
-    if (variations(sign, f.degree + 1) == 0) /* Descartes: no root in (0, 1) */
+    if (count_sign_changes(sign, f.degree + 1) ==
+        0) /* Descartes: no root in (0, 1) */
         return 0;
     if (f.degree == 3)
         return cubic_chains(m, f, c);
@@ -113,7 +116,7 @@ int chains_make(struct big_arena *m, const struct poly *p, struct chain c[2])
     if (f.degree == 2) {
         tail = poly_discriminant(m, f.c) * f.c[2].sign;
         if (tail == 0)
-            f = linear(big_times(m, f.c[2], 2), f.c[1]);
+            f = make_linear(big_times(m, f.c[2], 2), f.c[1]);
     }
     start_chain(m, f, &c[0]);
     c[0].tail = tail;
@@ -121,8 +124,10 @@ int chains_make(struct big_arena *m, const struct poly *p, struct chain c[2])
     return 1;
 }
 
-static void stand_of(struct big_arena *m, const struct chain *c,
-                     const struct point *p, struct stand s[2])
+/* The positions of the points of p, one or two, among the chain's roots, from
+ * the signs of the chain's polynomials at them. */
+static void find_stand(struct big_arena *m, const struct chain *c,
+                       const struct point *p, struct stand s[2])
 {
     int sign[4][2] = {{0}};
     point_sign(m, &c->p, p, sign[0]);
@@ -135,7 +140,7 @@ static void stand_of(struct big_arena *m, const struct chain *c,
         int at[4] = {sign[0][k], sign[1][k], sign[2][k], c->tail};
         s[k].zero = at[0] == 0;
         s[k].count = c->roots == 1 ? at[0] != c->p.c[0].sign
-                                   : c->start - variations(at, 4);
+                                   : c->start - count_sign_changes(at, 4);
     }
 }
 
@@ -157,7 +162,7 @@ static int octave_of(struct big_arena *m, const struct chain *c, int i,
         int mark = m->used, mid = lo + (hi - lo) / 2;
         struct point p = point_power(m, mid);
         struct stand s[2];
-        stand_of(m, c, &p, s);
+        find_stand(m, c, &p, s);
         m->used = mark;
         if (s->count < i)
             lo = mid;
@@ -178,7 +183,7 @@ void root_locate(struct big_arena *m, struct chain *c, int i, struct root *r)
         struct stand s[2];
         uint32_t mid = lo + (hi - lo) / 2;
         struct point p = point_grid(m, mid);
-        stand_of(m, c, &p, s);
+        find_stand(m, c, &p, s);
         m->used = mark;
         if (s->count < i) {
             lo = mid;
@@ -192,11 +197,11 @@ void root_locate(struct big_arena *m, struct chain *c, int i, struct root *r)
 }
 
 /* Finds how the roots of f are ordered among the roots of the chain (§6.4). */
-static void make_turns(struct big_arena *m, const struct poly *f,
-                       const struct chain *c, struct turns *t)
+static void count_variations(struct big_arena *m, const struct poly *f,
+                             const struct chain *c, struct variation_count *t)
 {
-    struct poly q = trimmed(f);
-    struct turns r = {.of = f, .sign = q.c[0].sign};
+    struct poly q = trim_polynomial(f);
+    struct variation_count r = {.of = f, .sign = q.c[0].sign};
     struct point p = {&q, {0}, {0}, 0};
     int roots = q.degree == 2 ? poly_discriminant(m, q.c) : 0;
     *t = r;
@@ -207,7 +212,7 @@ static void make_turns(struct big_arena *m, const struct poly *f,
         bool mixed = q.c[0].sign * q.c[2].sign < 0;
         t->n = mixed ? 1 : q.c[1].sign * q.c[2].sign < 0 ? 2 : 0;
         if (t->n)
-            stand_of(m, c, &p, t->s);
+            find_stand(m, c, &p, t->s);
         if (t->n == 1)
             t->s[0] = t->s[1];
         return;
@@ -215,27 +220,28 @@ static void make_turns(struct big_arena *m, const struct poly *f,
     /* one rational root -c0/c1, simple or double */
     t->twice = q.degree == 2;
     if (t->twice)
-        q = linear(big_times(m, q.c[2], 2), q.c[1]);
+        q = make_linear(big_times(m, q.c[2], 2), q.c[1]);
     if (q.degree == 0 || q.c[0].sign * q.c[1].sign >= 0)
         return;
     bool up = q.c[1].sign > 0;
     p = (struct point){NULL, up ? big_negate(q.c[0]) : q.c[0],
                        up ? q.c[1] : big_negate(q.c[1]), 0};
-    stand_of(m, c, &p, t->s);
+    find_stand(m, c, &p, t->s);
     t->n = 1;
 }
 
-/* Returns the result of make_turns, which is kept for the chain's other
+/* Returns the result of count_variations, which is kept for the chain's other
  * roots. */
-static const struct turns *turns_of(struct big_arena *m, const struct poly *f,
-                                    struct chain *c)
+static const struct variation_count *
+count_of(struct big_arena *m, const struct poly *f, struct chain *c)
 {
-    int most = (int)(sizeof c->turns / sizeof *c->turns);
+    int most = (int)(sizeof c->counts / sizeof *c->counts);
     for (int k = 0; k < c->seen; k++)
-        if (c->turns[k].of == f)
-            return &c->turns[k];
-    struct turns *t = &c->turns[c->seen < most ? c->seen++ : most - 1];
-    make_turns(m, f, c, t);
+        if (c->counts[k].of == f)
+            return &c->counts[k];
+    struct variation_count *t =
+        &c->counts[c->seen < most ? c->seen++ : most - 1];
+    count_variations(m, f, c, t);
     return t;
 }
 
@@ -244,7 +250,7 @@ static const struct turns *turns_of(struct big_arena *m, const struct poly *f,
 static int sign_ordered(struct big_arena *m, const struct poly *f,
                         const struct root *r)
 {
-    const struct turns *t = turns_of(m, f, r->chain);
+    const struct variation_count *t = count_of(m, f, r->chain);
     int sign = t->sign;
     for (int k = 0; k < t->n; k++) {
         int count = t->s[k].count;

@@ -18,7 +18,7 @@ struct stand {
 
 /* The sign changes of a polynomial f of degree at most 2, ordered among a
  * chain's roots (§6.4). */
-struct turns {
+struct variation_count {
     const struct poly *of;
     int sign;          /* sign of f at 0+ */
     int n;             /* distinct roots τ > 0 of f */
@@ -33,9 +33,9 @@ struct chain {
     int tail;            /* sign of the chain's last, constant member */
     int start;           /* sign variations at t = 0 */
     int roots;           /* roots in 0 < t < 1 */
-    int seen;            /* entries of turns[] in use; there are at most 24
+    int seen;            /* entries of counts[] in use; there are at most 24
                             forms and box forms */
-    struct turns turns[24];
+    struct variation_count counts[24];
 };
 
 /* Root i = 1, 2, … of a chain, counted from t = 0; or a time on the grid. */

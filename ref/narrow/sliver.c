@@ -4,7 +4,7 @@
 #include "ref/narrow/sliver.h"
 
 /* Whether r lies in the closed box of p and q. */
-static bool between(const point p, const point q, const point r)
+static bool is_between(const point p, const point q, const point r)
 {
     for (int k = 0; k < 3; k++) {
         bool above = r[k] > p[k] && r[k] > q[k];
@@ -15,7 +15,7 @@ static bool between(const point p, const point q, const point r)
     return true;
 }
 
-static bool opposite(int a, int b)
+static bool are_opposite(int a, int b)
 {
     return a * b < 0;
 }
@@ -27,43 +27,43 @@ static bool segments_touch(const point p, const point q, const point r,
 {
     if (ref_orient3(p, q, r, s) != 0)
         return false;
-    bool at_p = between(r, s, p), at_q = between(r, s, q);
-    bool at_r = between(p, q, r), at_s = between(p, q, s);
+    bool at_p = is_between(r, s, p), at_q = is_between(r, s, q);
+    bool at_r = is_between(p, q, r), at_s = is_between(p, q, s);
     for (int k = 0; k < 3; k++) {
         int u = (k + 1) % 3, v = (k + 2) % 3;
         int a = ref_orient2(p, q, r, u, v), b = ref_orient2(p, q, s, u, v);
         int c = ref_orient2(r, s, p, u, v), d = ref_orient2(r, s, q, u, v);
         if (a == 0 && b == 0 && c == 0 && d == 0)
             continue; /* the projection may put separate segments on one line */
-        return (opposite(a, b) && opposite(c, d)) || (a == 0 && at_r) ||
+        return (are_opposite(a, b) && are_opposite(c, d)) || (a == 0 && at_r) ||
                (b == 0 && at_s) || (c == 0 && at_p) || (d == 0 && at_q);
     }
     return at_p || at_q || at_r || at_s;
 }
 
 /* §5.3: whether p lies in t. p is in the plane of t, and t has area. */
-static bool inside(const point p, const point t[3])
+static bool is_inside(const point p, const point t[3])
 {
     for (int k = 0; k < 3; k++) {
         int u = (k + 1) % 3, v = (k + 2) % 3;
-        int turn = ref_orient2(t[0], t[1], t[2], u, v);
-        if (turn == 0)
+        int side = ref_orient2(t[0], t[1], t[2], u, v);
+        if (side == 0)
             continue;
-        return ref_orient2(t[0], t[1], p, u, v) != -turn &&
-               ref_orient2(t[1], t[2], p, u, v) != -turn &&
-               ref_orient2(t[2], t[0], p, u, v) != -turn;
+        return ref_orient2(t[0], t[1], p, u, v) != -side &&
+               ref_orient2(t[1], t[2], p, u, v) != -side &&
+               ref_orient2(t[2], t[0], p, u, v) != -side;
     }
     return false;
 }
 
 /* §5.3: whether the line pq meets t. p and q must be on opposite sides of the
  * plane of t, or one of them in the plane. */
-static bool crosses(const point p, const point q, const point t[3])
+static bool line_meets(const point p, const point q, const point t[3])
 {
     int a = ref_orient3(p, q, t[0], t[1]);
     int b = ref_orient3(p, q, t[1], t[2]);
     int c = ref_orient3(p, q, t[2], t[0]);
-    return !opposite(a, b) && !opposite(a, c) && !opposite(b, c);
+    return !are_opposite(a, b) && !are_opposite(a, c) && !are_opposite(b, c);
 }
 
 /* Whether the closed segment pq touches t, which may be degenerate. */
@@ -78,25 +78,25 @@ static bool segment_touches(const point p, const point q, const struct face *t)
     int a = ref_orient3(c[0], c[1], c[2], p);
     int b = ref_orient3(c[0], c[1], c[2], q);
     if (a == 0 && b == 0)
-        return inside(p, c); /* otherwise pq would touch an edge */
-    return a * b <= 0 && crosses(p, q, c);
+        return is_inside(p, c); /* otherwise pq would touch an edge */
+    return a * b <= 0 && line_meets(p, q, c);
 }
 
-static bool has(const struct face *t, int32_t v)
+static bool has_vertex(const struct face *t, int32_t v)
 {
     return t->v[0] == v || t->v[1] == v || t->v[2] == v;
 }
 
 /* Whether a corner or an edge of t that has no vertex of s touches s. */
-static bool reaches(const struct face *t, const struct face *s)
+static bool reaches_other(const struct face *t, const struct face *s)
 {
     for (int k = 0; k < 3; k++) {
         int l = (k + 1) % 3;
-        if (has(s, t->v[k]))
+        if (has_vertex(s, t->v[k]))
             continue;
         if (segment_touches(t->p[k], t->p[k], s))
             return true;
-        if (!has(s, t->v[l]) && segment_touches(t->p[k], t->p[l], s))
+        if (!has_vertex(s, t->v[l]) && segment_touches(t->p[k], t->p[l], s))
             return true;
     }
     return false;
@@ -104,7 +104,7 @@ static bool reaches(const struct face *t, const struct face *s)
 
 bool ref_sliver(const struct face *t, const struct face *s)
 {
-    if (reaches(t, s) || reaches(s, t))
+    if (reaches_other(t, s) || reaches_other(s, t))
         return true;
     for (int i = 0; i < 9; i++) {
         int k = i / 3, l = (k + 1) % 3, m = i % 3, n = (m + 1) % 3;

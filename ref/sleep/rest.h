@@ -24,20 +24,20 @@ struct held {
 
 /* Arrays without a note lie on the host. */
 struct sleep {
-    struct rest *rest;      /* [n_cloths] */
-    struct rest *was;       /* [n_cloths] when the step began */
-    int past;               /* the world's `past` then */
-    struct held *held;      /* [n_cloths] */
-    real *most;             /* scratch: [n_cloths] */
-    int32_t *of;            /* scratch: [n_cloths] the island of each cloth */
-    uint8_t *flag;          /* scratch: [bodies] */
-    int n;                  /* cloths asleep */
-    int32_t epoch;          /* counts changes of who is held */
-    bool roused;            /* something came near a cloth that is asleep */
-    uint8_t *mask;          /* backend: [nv] 1: a query must look at it */
-    uint8_t *awake;         /* backend: [bodies] the same of bodies */
-    uint8_t *lively, *near; /* backend: [bodies] as in struct rouse */
-    int32_t *label;         /* backend: [n_cloths] */
+    struct rest *rest; /* [n_cloths] */
+    struct rest *was;  /* [n_cloths] when the step began */
+    int past;          /* the world's `past` then */
+    struct held *held; /* [n_cloths] */
+    real *most;        /* scratch: [n_cloths] */
+    int32_t *of;       /* scratch: [n_cloths] the island of each cloth */
+    uint8_t *flag;     /* scratch: [bodies] */
+    int n;             /* cloths asleep */
+    int32_t epoch;     /* counts changes of who is held */
+    bool woken;        /* something came near a cloth that is asleep */
+    uint8_t *mask;     /* backend: [nv] 1: a query must look at it */
+    uint8_t *awake;    /* backend: [bodies] the same of bodies */
+    uint8_t *active, *disturbed; /* backend: [bodies] as in struct wake */
+    int32_t *label;              /* backend: [n_cloths] */
 };
 
 /* Whether this cloth is awake. */

@@ -2,17 +2,17 @@
 /* Which cloths are asleep, on either backend. spec/sleep/sleep.md */
 #include "ref/sleep/sleep.h"
 
+#include "ref/base/prescribed.h"
 #include "ref/contact/kept.h"
-#include "ref/momentum/momentum.h"
-#include "ref/sleep/rouse.h"
-#include "ref/world/led.h"
+#include "ref/momentum/conserve.h"
+#include "ref/sleep/wake.h"
 #include "ref/world/slice.h"
 
 /* Of the largest thickness, §1: how far a cloth at rest goes in the mean of a
  * step, and in all. */
 static const double DRIFT = 1e-3, SWAY = 0.25;
 
-static int bodies(const struct world *w)
+static int count_bodies(const struct world *w)
 {
     return w->def.n_cloths + w->def.n_obstacles;
 }
@@ -33,9 +33,9 @@ int sleep_make(struct world *w)
     s->rest = arena_take(a, ARENA_STATE, n, sizeof *s->rest);
     s->was = arena_take(a, ARENA_STATE, n, sizeof *s->was);
     s->held = arena_take(a, ARENA_OTHER, n, sizeof *s->held);
-    s->most = arena_take(a, ARENA_OTHER, bodies(w), sizeof *s->most);
+    s->most = arena_take(a, ARENA_OTHER, count_bodies(w), sizeof *s->most);
     s->of = arena_take(a, ARENA_OTHER, n, sizeof *s->of);
-    s->flag = arena_take(a, ARENA_OTHER, bodies(w), 1);
+    s->flag = arena_take(a, ARENA_OTHER, count_bodies(w), 1);
     return a->failed ? DRAPE_ENOMEM : DRAPE_OK;
 }
 
@@ -85,9 +85,9 @@ void sleep_undo(struct world *w)
     sleep_forget(w);
 }
 
-/* §2: what is held. */
+/* §3: cloths that are held */
 
-static void *take(struct world *w, void *had, int64_t n, size_t size)
+static void *take_stream(struct world *w, void *had, int64_t n, size_t size)
 {
     return had ? had : w->run->take(w->on, ARENA_STATE, n, size);
 }
@@ -97,19 +97,19 @@ static int take_streams(struct world *w)
 {
     struct sleep *s = w->sleep;
     if (w->def.n_cloths > 1)
-        s->label = take(w, s->label, w->def.n_cloths, sizeof *s->label);
+        s->label = take_stream(w, s->label, w->def.n_cloths, sizeof *s->label);
     if (w->plan.collides) {
-        s->mask = take(w, s->mask, w->nv, 1);
-        s->awake = take(w, s->awake, bodies(w), 1);
-        s->lively = take(w, s->lively, bodies(w), 1);
-        s->near = take(w, s->near, bodies(w), 1);
+        s->mask = take_stream(w, s->mask, w->nv, 1);
+        s->awake = take_stream(w, s->awake, count_bodies(w), 1);
+        s->active = take_stream(w, s->active, count_bodies(w), 1);
+        s->disturbed = take_stream(w, s->disturbed, count_bodies(w), 1);
     }
     return w->run->status(w->on);
 }
 
 static bool can_move(const struct prop *p)
 {
-    return p->moves || p->told;
+    return p->moves || p->targeted;
 }
 
 /* §3: the queries look at cloths that are awake, and at obstacles that may
@@ -124,13 +124,13 @@ static void send_mask(struct world *w)
         s->flag[k] = sleep_awake(w, k);
     for (int k = 0; k < w->def.n_obstacles; k++)
         s->flag[w->def.n_cloths + k] = can_move(&w->prop[k]);
-    w->run->send(w->on, s->awake, s->flag, (size_t)bodies(w));
-    w->run->mask(w->on, w->nv, w->body, s->awake, s->mask);
+    w->run->send(w->on, s->awake, s->flag, (size_t)count_bodies(w));
+    w->run->wake_mask(w->on, w->nv, w->body, s->awake, s->mask);
     w->broad.awake = s->n > 0 ? s->mask : NULL;
 }
 
 /* Holds cloth k: its particles are as those of obstacles. */
-static void hold(struct world *w, int k)
+static void hold_cloth(struct world *w, int k)
 {
     const struct sheet *c = &w->sheet[k];
     int64_t first = c->first, n = c->cloth.count;
@@ -140,14 +140,14 @@ static void hold(struct world *w, int k)
     w->broad.made = false; /* its boxes are of a motion */
 }
 
-static void release(struct world *w, int k)
+static void release_cloth(struct world *w, int k)
 {
     sleep_weigh(w, k);
     w->sleep->held[k].on = w->sleep->held[k].known = false;
 }
 
 /* The end of a slice of a cloth that is held is its start. */
-static void stay(struct world *w, int k)
+static void keep_place(struct world *w, int k)
 {
     const struct sheet *c = &w->sheet[k];
     size_t bytes = (size_t)c->cloth.count * sizeof *w->x1;
@@ -167,7 +167,7 @@ static void weigh_energy(struct world *w, int k)
 
 /* Whether a step has to look who sleeps: someone does, is still held, has been
  * woken since the state was loaded, or may fall asleep in it. */
-static bool matters(const struct world *w)
+static bool is_needed(const struct world *w)
 {
     const struct sleep *s = w->sleep;
     bool any = s->n > 0 || w->lagrange.n_resting > 0;
@@ -181,7 +181,7 @@ int sleep_hold(struct world *w)
 {
     struct sleep *s = w->sleep;
     bool changed = s->n == 0 && w->lagrange.n_resting > 0;
-    if (!matters(w))
+    if (!is_needed(w))
         return DRAPE_OK;
     int status = take_streams(w);
     for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++) {
@@ -190,9 +190,9 @@ int sleep_hold(struct world *w)
             continue;
         changed = true;
         if (asleep)
-            hold(w, k);
+            hold_cloth(w, k);
         else
-            release(w, k);
+            release_cloth(w, k);
     }
     if (changed) {
         send_mask(w);
@@ -200,13 +200,13 @@ int sleep_hold(struct world *w)
     }
     for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++)
         if (!sleep_awake(w, k)) {
-            stay(w, k);
+            keep_place(w, k);
             weigh_energy(w, k);
         }
     return status == DRAPE_OK ? w->run->status(w->on) : status;
 }
 
-/* §4: what wakes. */
+/* §4: cloths that wake */
 
 /* Wakes the cloths whose islands are marked in flag. A past of another length
  * than this slice's is none. */
@@ -222,7 +222,7 @@ static int wake_marked(struct world *w)
             w->past = 0;
         *rest = (struct rest){0};
         s->n--;
-        release(w, k);
+        release_cloth(w, k);
         changed = true;
     }
     if (!changed)
@@ -232,7 +232,7 @@ static int wake_marked(struct world *w)
 }
 
 /* Marks in `of` the islands of cloths that are asleep and have a flag. */
-static void mark(struct world *w, const uint8_t *flag)
+static void mark_islands(struct world *w, const uint8_t *flag)
 {
     struct sleep *s = w->sleep;
     memset(s->of, 0, (size_t)w->def.n_cloths * sizeof *s->of);
@@ -246,34 +246,34 @@ static bool pins_move(const struct world *w, int k)
 {
     const struct sheet *c = &w->sheet[k];
     struct pins pins = sheet_pins(c);
-    return w->leads && pins.n > 0 &&
+    return w->prescribes && pins.n > 0 &&
            w->run->differs(w->on, pins.n, pins.at, w->x0 + c->first, pins.x);
 }
 
 static bool obstacle_moves(const struct world *w, const struct prop *p)
 {
-    return w->leads && can_move(p) &&
+    return w->prescribes && can_move(p) &&
            w->run->differs(w->on, p->place.n, NULL, w->x0 + p->first,
                            w->x1 + p->first);
 }
 
-int sleep_look(struct world *w)
+int sleep_begin_slice(struct world *w)
 {
     struct sleep *s = w->sleep;
-    s->roused = false;
+    s->woken = false;
     if (s->n == 0)
         return DRAPE_OK;
     for (int k = 0; k < w->def.n_cloths; k++)
         s->flag[k] = s->rest[k].asleep && pins_move(w, k);
-    mark(w, s->flag);
+    mark_islands(w, s->flag);
     int status = wake_marked(w);
     for (int k = 0; k < w->def.n_cloths; k++)
         s->flag[k] = sleep_awake(w, k);
     for (int k = 0; k < w->def.n_obstacles; k++)
         s->flag[w->def.n_cloths + k] = obstacle_moves(w, &w->prop[k]);
     if (w->plan.collides) {
-        w->run->send(w->on, s->lively, s->flag, (size_t)bodies(w));
-        w->run->clear(w->on, s->near, (size_t)bodies(w));
+        w->run->send(w->on, s->active, s->flag, (size_t)count_bodies(w));
+        w->run->clear(w->on, s->disturbed, (size_t)count_bodies(w));
     }
     return status == DRAPE_OK ? w->run->status(w->on) : status;
 }
@@ -281,43 +281,44 @@ int sleep_look(struct world *w)
 int sleep_notice(struct world *w)
 {
     struct sleep *s = w->sleep;
-    struct rouse r = {.n = w->broad.n,
-                      .pair = broad_pairs(&w->broad),
-                      .body = w->body,
-                      .lively = s->lively,
-                      .near = s->near};
+    struct wake r = {.n = w->broad.n,
+                     .pair = broad_pairs(&w->broad),
+                     .body = w->body,
+                     .active = s->active,
+                     .disturbed = s->disturbed};
     if (s->n == 0 || r.n == 0)
         return DRAPE_OK;
-    w->run->rouse(w->on, &r);
-    w->run->fetch(w->on, s->flag, s->near, (size_t)bodies(w));
+    w->run->wake_find(w->on, &r);
+    w->run->fetch(w->on, s->flag, s->disturbed, (size_t)count_bodies(w));
     int status = w->run->status(w->on);
     for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++)
-        s->roused |= s->rest[k].asleep && s->flag[k];
+        s->woken |= s->rest[k].asleep && s->flag[k];
     return status;
 }
 
-int sleep_end(struct world *w)
+int sleep_wake_disturbed(struct world *w)
 {
-    mark(w, w->sleep->flag);
-    w->sleep->roused = false;
+    mark_islands(w, w->sleep->flag);
+    w->sleep->woken = false;
     return wake_marked(w);
 }
 
 /* §1: who falls asleep. */
 
 /* Finds how far the cloths are from where their anchors are, squared. */
-static void measure(struct world *w)
+static void measure_cloths(struct world *w)
 {
     struct sleep *s = w->sleep;
     int n = w->def.n_cloths;
     if (n == 1)
         s->most[0] = w->run->furthest(w->on, w->nc, w->anchor, w->x1);
     else
-        w->run->ways(w->on, w->nc, w->body, w->anchor, w->x1, n, s->most);
+        w->run->wake_displacements(w->on, w->nc, w->body, w->anchor, w->x1, n,
+                                   s->most);
 }
 
 /* Sets the anchors of cloths first … end - 1 where they are. */
-static void cast(struct world *w, int first, int end)
+static void set_anchors(struct world *w, int first, int end)
 {
     if (first == end)
         return;
@@ -343,7 +344,7 @@ static bool count_step(struct world *w, int k, bool failed)
 }
 
 /* Whether cloth k has rested for long enough. */
-static bool is_tired(const struct world *w, int k)
+static bool may_sleep(const struct world *w, int k)
 {
     const struct rest *rest = &w->sleep->rest[k];
     return !rest->asleep && rest->steps >= SLEEP_STEPS &&
@@ -355,23 +356,8 @@ static bool is_tired(const struct world *w, int k)
  * explicit integrator, whose contacts are not kept, all are one. */
 static int find_islands(struct world *w)
 {
-    struct sleep *s = w->sleep;
-    const struct response *r = &w->response;
-    struct islands m = {.nv = w->nv,
-                        .n = r->active,
-                        .body = w->body,
-                        .contact = r->contact[r->side].data,
-                        .bodies = w->def.n_cloths,
-                        .label = s->label};
-    bool one = w->def.n_cloths == 1 || !w->plan.implicit;
-    for (int k = 0; k < w->def.n_cloths; k++)
-        s->of[k] = one ? 0 : k;
-    if (one || !w->plan.collides || !w->met)
-        return DRAPE_OK;
-    int status = w->run->islands(w->on, &m);
-    w->run->fetch(w->on, s->of, s->label,
-                  (size_t)w->def.n_cloths * sizeof *s->of);
-    return status;
+    return conserve_find_islands(w, !w->plan.implicit, w->sleep->label,
+                                 w->sleep->of);
 }
 
 /* Puts the islands to sleep of which all cloths have rested long enough. */
@@ -381,7 +367,7 @@ static void put_to_sleep(struct world *w)
     int n = w->def.n_cloths;
     bool any = false;
     for (int k = 0; k < n; k++)
-        any |= s->flag[k] = is_tired(w, k);
+        any |= s->flag[k] = may_sleep(w, k);
     if (!any || find_islands(w) != DRAPE_OK)
         return;
     for (int k = 0; k < n; k++) /* one that is not keeps its island awake */
@@ -406,18 +392,18 @@ void sleep_count(struct world *w, int outcome)
     for (int k = 0; k < n; k++)
         anchored |= sleep_awake(w, k) && s->rest[k].steps > 0;
     if (anchored)
-        measure(w);
+        measure_cloths(w);
     for (int k = 0; k < n; k++) {
         if (sleep_awake(w, k) && count_step(w, k, slice_failed(outcome)))
             continue;
-        cast(w, first, k);
+        set_anchors(w, first, k);
         first = k + 1;
     }
-    cast(w, first, n);
+    set_anchors(w, first, n);
     put_to_sleep(w);
 }
 
-/* §2: what others do beside those that are asleep. */
+/* §3: work on the cloths that are awake */
 
 void sleep_runs(struct world *w,
                 void (*work)(struct world *w, int64_t first, int64_t n))

@@ -8,7 +8,7 @@
 
 enum { SLEEP_STEPS = 30, SLEEP_MOST = 1 << 20 };
 
-/* Takes what lies on the host. DRAPE_OK or DRAPE_ENOMEM. */
+/* Takes the arrays that lie on the host. DRAPE_OK or DRAPE_ENOMEM. */
 int sleep_make(struct world *w);
 /* Gives the particles of cloth k the weights that they have when awake. */
 void sleep_weigh(struct world *w, int k);
@@ -21,13 +21,13 @@ void sleep_note(struct world *w);
 void sleep_undo(struct world *w);
 /* Begins a step: holds the cloths that are asleep, and no others. */
 int sleep_hold(struct world *w);
-/* Begins a slice, when what is led has moved. */
-int sleep_look(struct world *w);
-/* After a query of the broad phase: sets `roused` where a pair of it has a body
+/* Begins a slice, after obstacles and pins have moved. */
+int sleep_begin_slice(struct world *w);
+/* After a query of the broad phase: sets `woken` where a pair of it has a body
  * that moves and a cloth that is asleep. */
 int sleep_notice(struct world *w);
-/* Wakes the cloths that were roused, with those that fell asleep with them. */
-int sleep_end(struct world *w);
+/* Wakes the cloths that were woken, with those that fell asleep with them. */
+int sleep_wake_disturbed(struct world *w);
 /* Ends a slice: counts steps at rest, and lets islands fall asleep. */
 void sleep_count(struct world *w, int outcome);
 /* The energies of cloth k that is held, [3] J; NULL: it is not. */

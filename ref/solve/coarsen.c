@@ -24,13 +24,13 @@ struct recipe {
 
 /* Returns four times the weight of interpolation away from cuts, where the rule
  * is 0. */
-static int hat(int di, int dj)
+static int hat_weight(int di, int dj)
 {
     return weight_of(0, di, dj);
 }
 
 /* §2: whether a block couples two particles, that is, is not 0. */
-static bool couples(sym b)
+static bool is_coupling(sym b)
 {
     return b.xx != 0 || b.yy != 0 || b.zz != 0;
 }
@@ -42,10 +42,11 @@ static uint8_t rule_of(int32_t m, int32_t n, int32_t i, int32_t j,
 {
     int64_t p = i + (int64_t)m * j;
     int rule = 0;
-    if (i % 2 && i + 1 < m && couples(right[p - 1]) != couples(right[p]))
-        rule |= couples(right[p]) ? ONLY_RIGHT : ONLY_LEFT;
-    if (j % 2 && j + 1 < n && couples(up[p - m]) != couples(up[p]))
-        rule |= couples(up[p]) ? ONLY_UP : ONLY_DOWN;
+    if (i % 2 && i + 1 < m &&
+        is_coupling(right[p - 1]) != is_coupling(right[p]))
+        rule |= is_coupling(right[p]) ? ONLY_RIGHT : ONLY_LEFT;
+    if (j % 2 && j + 1 < n && is_coupling(up[p - m]) != is_coupling(up[p]))
+        rule |= is_coupling(up[p]) ? ONLY_UP : ONLY_DOWN;
     return (uint8_t)rule;
 }
 
@@ -59,9 +60,9 @@ static struct recipe recipe_of(int springs, const int8_t *si, const int8_t *sj,
     for (int o = 0; o < springs; o++)
         for (int dj = -3; dj <= 1; dj++)
             for (int di = -3; di <= 3; di++) {
-                int a = hat(di, dj) - hat(di + si[o], dj + sj[o]);
-                int b = hat(di - 2 * ci, dj - 2 * cj) -
-                        hat(di + si[o] - 2 * ci, dj + sj[o] - 2 * cj);
+                int a = hat_weight(di, dj) - hat_weight(di + si[o], dj + sj[o]);
+                int b = hat_weight(di - 2 * ci, dj - 2 * cj) -
+                        hat_weight(di + si[o] - 2 * ci, dj + sj[o] - 2 * cj);
                 struct term t = {(int8_t)o, (int8_t)di, (int8_t)dj,
                                  (int8_t)(-a * b)};
                 if (t.weight && r.terms < TERMS)
@@ -101,8 +102,8 @@ static sym sum_recipe(const struct coarsen *s, const struct recipe *r,
 
 /* Returns four times the weight of coarse particle (ci, cj) in the
  * interpolation to fine particle (x, y). */
-static int weight(const struct coarsen *s, int32_t x, int32_t y, int32_t ci,
-                  int32_t cj)
+static int interpolation_weight(const struct coarsen *s, int32_t x, int32_t y,
+                                int32_t ci, int32_t cj)
 {
     if (x < 0 || x >= s->m || y < 0 || y >= s->n)
         return 0;
@@ -121,10 +122,12 @@ static void add_spring(const struct coarsen *s, const int32_t at[4], int o,
     if (x < 0 || x >= s->m || y < 0 || y >= s->n || z < 0 || z >= s->m ||
         t >= s->n || (s->n_live && !(s->live[p] >> o & 1)))
         return;
-    int a = weight(s, x, y, i, j) - weight(s, z, t, i, j);
+    int a = interpolation_weight(s, x, y, i, j) -
+            interpolation_weight(s, z, t, i, j);
     for (int k = 0; k < STENCIL && a != 0; k++) {
         int32_t ci = i + stencil_di[k], cj = j + stencil_dj[k];
-        int b = weight(s, x, y, ci, cj) - weight(s, z, t, ci, cj);
+        int b = interpolation_weight(s, x, y, ci, cj) -
+                interpolation_weight(s, z, t, ci, cj);
         if (b != 0)
             sum[k] = add_scaled(sum[k], (real)(-a * b) * R(0.0625),
                                 s->block[o * s->count + p]);
@@ -158,15 +161,17 @@ static bool is_cut(const struct coarsen *s, int32_t i, int32_t j)
 /* §2: returns the contribution of the fine excesses around coarse particle (i,
  * j): to the block of the pair with (i + ci, j + cj), weighted by -w_I w_J; or,
  * with ci = cj = 0, to the coarse excess of (i, j), weighted by w_I. */
-static sym share(const struct coarsen *s, int32_t i, int32_t j, int ci, int cj)
+static sym coarse_sum(const struct coarsen *s, int32_t i, int32_t j, int ci,
+                      int cj)
 {
     sym sum = {0, 0, 0, 0, 0, 0};
     bool self = ci == 0 && cj == 0;
     for (int dj = -1; dj <= 1; dj++)
         for (int di = -1; di <= 1; di++) {
             int32_t x = 2 * i + di, y = 2 * j + dj;
-            int a = weight(s, x, y, i, j);
-            int w = self ? 4 * a : -a * weight(s, x, y, i + ci, j + cj);
+            int a = interpolation_weight(s, x, y, i, j);
+            int w = self ? 4 * a
+                         : -a * interpolation_weight(s, x, y, i + ci, j + cj);
             if (w != 0)
                 sum = add_scaled(sum, (real)w * R(0.0625),
                                  s->excess[x + (int64_t)s->m * y]);
@@ -184,11 +189,11 @@ static void gather_node(const struct coarsen *s, const struct recipe *recipe,
     else
         for (int o = 0; o < STENCIL; o++)
             sum[o] = sum_recipe(s, &recipe[o], i, j);
-    s->coarse_excess[p] = share(s, i, j, 0, 0);
+    s->coarse_excess[p] = coarse_sum(s, i, j, 0, 0);
     for (int o = 0; o < STENCIL; o++) {
         int di = stencil_di[o], dj = stencil_dj[o];
         if (di >= -1 && di <= 1 && dj <= 1)
-            sum[o] = sym_add(sum[o], share(s, i, j, di, dj));
+            sum[o] = sym_add(sum[o], coarse_sum(s, i, j, di, dj));
         s->coarse_block[o * s->n_coarse + p] = sum[o];
     }
 }

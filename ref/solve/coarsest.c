@@ -5,7 +5,7 @@
 
 #include "ref/solve/coarsen.h"
 
-static void put(double *a, int64_t p, int64_t q, sym b, double sign)
+static void put_block(double *a, int64_t p, int64_t q, sym b, double sign)
 {
     double e[3][3] = {{(double)b.xx, (double)b.xy, (double)b.xz},
                       {(double)b.xy, (double)b.yy, (double)b.yz},
@@ -15,29 +15,29 @@ static void put(double *a, int64_t p, int64_t q, sym b, double sign)
             a[(3 * p + r) * DENSE + 3 * q + c] += sign * e[r][c];
 }
 
-static void fill(const struct coarsest *l, double *a)
+static void fill_matrix(const struct coarsest *l, double *a)
 {
     for (int k = 0; k < DENSE * DENSE; k++)
         a[k] = 0;
     for (int64_t p = 0; p < l->count; p++) {
-        put(a, p, p, l->excess[p], 1);
+        put_block(a, p, p, l->excess[p], 1);
         for (int o = 0; o < STENCIL; o++) {
             int64_t i = p % l->m + stencil_di[o], j = p / l->m + stencil_dj[o];
             int64_t q = i + l->m * j;
             if (i < 0 || i >= l->m || j >= l->n)
                 continue;
             sym c = l->block[o * l->count + p];
-            put(a, p, p, c, 1);
-            put(a, q, q, c, 1);
-            put(a, p, q, c, -1);
-            put(a, q, p, c, -1);
+            put_block(a, p, p, c, 1);
+            put_block(a, q, q, c, 1);
+            put_block(a, p, q, c, -1);
+            put_block(a, q, p, c, -1);
         }
     }
 }
 
 /* Sweeps unknown k in the lower triangle of a symmetric matrix: after all of
  * them it is -A⁻¹. inverse: 1 / a[k][k]. */
-static void sweep(int n, double *a, int k, double inverse)
+static void sweep_unknown(int n, double *a, int k, double inverse)
 {
     double column[DENSE];
     for (int i = 0; i < n; i++)
@@ -56,7 +56,7 @@ static void sweep(int n, double *a, int k, double inverse)
 
 /* Inverts a symmetric matrix in place. A pivot that is only rounding error
  * counts as having the inverse 0, and its unknown is not swept. */
-static void invert(int n, double *a)
+static void invert_matrix(int n, double *a)
 {
     double inverse[DENSE], trace = 0;
     for (int k = 0; k < n; k++)
@@ -65,7 +65,7 @@ static void invert(int n, double *a)
         double d = a[k * DENSE + k];
         inverse[k] = d > 0x1p-40 * trace ? 1 / d : 0;
         if (inverse[k] != 0)
-            sweep(n, a, k, inverse[k]);
+            sweep_unknown(n, a, k, inverse[k]);
     }
     for (int i = 0; i < n; i++)
         for (int j = 0; j <= i; j++)
@@ -75,8 +75,8 @@ static void invert(int n, double *a)
 
 void coarsest_invert(const struct coarsest *s)
 {
-    fill(s, s->dense);
-    invert(3 * (int)s->count, s->dense);
+    fill_matrix(s, s->dense);
+    invert_matrix(3 * (int)s->count, s->dense);
 }
 
 void coarsest_solve(const struct coarsest *s, const vec *b, vec *z)

@@ -10,7 +10,7 @@ static const double noise = 0x1p-26;
 static const double noise = 0x1p-55;
 #endif
 
-static double pivot(double d, double least)
+static double safe_pivot(double d, double least)
 {
     return d > least ? d : least;
 }
@@ -21,11 +21,11 @@ sym ref_factor(struct wide_sym d)
     double least = noise * (d.a[0] + d.a[3] + d.a[5]);
     if (!(least > 0))
         return f;
-    double x = pivot(d.a[0], least);
+    double x = safe_pivot(d.a[0], least);
     double xy = d.a[1] / x, xz = d.a[2] / x;
-    double y = pivot(d.a[3] - xy * d.a[1], least);
+    double y = safe_pivot(d.a[3] - xy * d.a[1], least);
     double yz = (d.a[4] - xy * d.a[2]) / y;
-    double z = pivot((d.a[5] - xz * d.a[2]) - yz * yz * y, least);
+    double z = safe_pivot((d.a[5] - xz * d.a[2]) - yz * yz * y, least);
     f.xx = (real)(1 / x);
     f.xy = (real)xy;
     f.xz = (real)xz;
@@ -38,12 +38,13 @@ sym ref_factor(struct wide_sym d)
 static struct wide_sym add_spring(const struct jacobi *s, struct wide_sym d,
                                   int64_t k)
 {
-    return s->n_thin ? wide_sym_thin(d, s->thin[k])
-                     : wide_sym_add(d, s->block[k]);
+    return s->n_packed ? wide_sym_packed(d, s->packed[k])
+                       : wide_sym_add(d, s->block[k]);
 }
 
 /* §1: returns the diagonal block of p, at (i, j). */
-static struct wide_sym diagonal(const struct jacobi *s, int32_t i, int32_t j)
+static struct wide_sym diagonal_block(const struct jacobi *s, int32_t i,
+                                      int32_t j)
 {
     int64_t p = i + (int64_t)s->m * j;
     double mass = (double)s->mass[p];
@@ -67,7 +68,8 @@ int ref_jacobi(struct jacobi *s)
         for (int32_t i = 0; i < s->m; i++) {
             int64_t p = i + (int64_t)s->m * j;
             sym none = {0, 0, 0, 0, 0, 0};
-            s->factor[p] = s->fixed[p] ? none : ref_factor(diagonal(s, i, j));
+            s->factor[p] =
+                s->fixed[p] ? none : ref_factor(diagonal_block(s, i, j));
         }
     return DRAPE_OK;
 }

@@ -4,21 +4,21 @@
 #ifndef REF_JACOBI_H
 #define REF_JACOBI_H
 
-#include "ref/base/thin.h"
+#include "ref/base/packed.h"
 #include "ref/solve/matrix.h"
 
 struct jacobi {
-    int32_t m, n;            /* particles along i and j */
-    int64_t count;           /* m·n */
-    const real *mass;        /* [count] kg */
-    int64_t n_extra;         /* count, or 0: none */
-    const sym *extra;        /* [n_extra] kg */
-    int64_t n_blocks;        /* SPRINGS·count */
-    const sym *block;        /* [n_blocks] kg, spring o of p at o·count + p */
-    int64_t n_thin;          /* SPRINGS·count, or 0: none, block is read */
-    const struct thin *thin; /* [n_thin] kg, read in place of block */
-    const uint8_t *fixed;    /* [count] not 0: the factor is 0 */
-    sym *factor;             /* out: [count] 1/D, in 1/kg, and L; §2 */
+    int32_t m, n;     /* particles along i and j */
+    int64_t count;    /* m·n */
+    const real *mass; /* [count] kg */
+    int64_t n_extra;  /* count, or 0: none */
+    const sym *extra; /* [n_extra] kg */
+    int64_t n_blocks; /* SPRINGS·count */
+    const sym *block; /* [n_blocks] kg, spring o of p at o·count + p */
+    int64_t n_packed; /* SPRINGS·count, or 0: none, block is read */
+    const struct packed *packed; /* [n_packed] kg, read in place of block */
+    const uint8_t *fixed;        /* [count] not 0: the factor is 0 */
+    sym *factor;                 /* out: [count] 1/D, in 1/kg, and L; §2 */
 };
 
 /* Returns DRAPE_OK. */
@@ -40,10 +40,11 @@ static inline struct wide_sym wide_sym_add(struct wide_sym d, sym b)
     return d;
 }
 
-/* Adds a thin block. The products are exact in binary64. */
-static inline struct wide_sym wide_sym_thin(struct wide_sym d, struct thin t)
+/* Adds a packed block. The products are exact in binary64. */
+static inline struct wide_sym wide_sym_packed(struct wide_sym d,
+                                              struct packed t)
 {
-    struct thin_parts a = thin_open(t);
+    struct packed_parts a = packed_open(t);
     struct wide e = wide_of(a.e), w = wide_scale((double)a.size, e);
     double all = (double)a.all;
     d.a[0] += w.x * e.x + all;

@@ -9,17 +9,15 @@
 #include "ref/solve/product.h"
 #include "ref/world/state.h"
 
-static const real LAST_PART = R(2.0) / 3; /* of the last step, by Jacobi */
-
-/* The system of one cloth: its solver with hold as `extra`, on its part of the
+/* The system of one cloth: its solver with bound as `extra`, on its part of the
  * joint residual. Only its preconditioner is used. */
 static struct pcg part_of(const struct sheet *s, const struct joint *a)
 {
     struct pcg p = s->solver.pcg;
     p.block = s->dynamics.block;
-    p.thin = s->dynamics.thin;
+    p.packed = s->dynamics.packed;
     p.n_extra = p.count;
-    p.extra = a->hold + s->first;
+    p.extra = a->bound + s->first;
     p.r = a->r + s->first;
     p.n_z = 0;
     return p;
@@ -39,7 +37,7 @@ int joint_set_up(struct world *w, struct joint *a)
     return status;
 }
 
-static real dot(struct joint *a, const vec *x, const vec *y)
+static real dot_streams(struct joint *a, const vec *x, const vec *y)
 {
     struct dot d = {
         .n = a->nc, .a = x, .b = y, .n_chunks = a->n_chunks, .chunk = a->chunk};
@@ -48,7 +46,7 @@ static real dot(struct joint *a, const vec *x, const vec *y)
 }
 
 /* Sets q to M⁻¹ r, cloth by cloth, and returns r·q. */
-static real precondition(struct world *w, struct joint *a)
+static real apply_preconditioner(struct world *w, struct joint *a)
 {
     for (int k = 0; k < w->def.n_cloths; k++) {
         struct pcg p = part_of(&w->sheet[k], a);
@@ -64,12 +62,12 @@ static real precondition(struct world *w, struct joint *a)
                        ? p.s[i]
                        : factor_solve(p.factor[i], p.r[i]);
     }
-    return dot(a, a->r, a->q);
+    return dot_streams(a, a->r, a->q);
 }
 
-/* y = A x, or (A + wall) x, 0 where fixed. */
-static void multiply(struct world *w, const struct joint *a, bool with_walls,
-                     const vec *x, vec *y)
+/* y = A x, or (A + single) x, 0 where fixed. */
+static void multiply_matrix(struct world *w, const struct joint *a,
+                            bool with_singles, const vec *x, vec *y)
 {
     for (int k = 0; k < w->def.n_cloths; k++) {
         const struct sheet *s = &w->sheet[k];
@@ -80,8 +78,8 @@ static void multiply(struct world *w, const struct joint *a, bool with_walls,
                             .n = p->n,
                             .count = p->count,
                             .mass = p->mass,
-                            .n_extra = with_walls ? p->count : 0,
-                            .extra = a->wall + s->first,
+                            .n_extra = with_singles ? p->count : 0,
+                            .extra = a->single + s->first,
                             .n_blocks = p->n_cdf ? 0 : p->n_blocks,
                             .block = s->dynamics.block,
                             .n_cdf = p->n_cdf,
@@ -104,16 +102,16 @@ static void add_links(struct joint *a, const vec *x, vec *y)
     ref_links(&a->links);
 }
 
-/* Sets q to (A + wall + C) p and returns p·q. */
+/* Sets q to (A + single + C) p and returns p·q. */
 static real curvature_of(struct world *w, struct joint *a)
 {
-    multiply(w, a, true, a->p, a->q);
+    multiply_matrix(w, a, true, a->p, a->q);
     add_links(a, a->p, a->q);
-    return dot(a, a->p, a->q);
+    return dot_streams(a, a->p, a->q);
 }
 
 /* dv += α p, r -= α q; where α is 0 p may not be finite. */
-static void move(struct joint *a, real alpha)
+static void move_solution(struct joint *a, real alpha)
 {
     int64_t n = alpha != 0 ? a->nc : 0;
     EACH_ITEM
@@ -126,7 +124,7 @@ static void move(struct joint *a, real alpha)
 
 /* p = M⁻¹ r + β p, and a step along p; the first direction has before = 0.
  * False if the matrix is not positive definite along p. */
-static bool step(struct world *w, struct joint *a, real next, real before)
+static bool step_along(struct world *w, struct joint *a, real next, real before)
 {
     real beta = before > 0 ? next / before : 0;
     EACH_ITEM
@@ -135,7 +133,7 @@ static bool step(struct world *w, struct joint *a, real next, real before)
     real curvature = curvature_of(w, a);
     if (!pcg_positive(curvature))
         return false;
-    move(a, next / curvature);
+    move_solution(a, next / curvature);
     return true;
 }
 
@@ -153,19 +151,19 @@ static void take_residual(struct joint *a, const vec *b)
 int joint_measure(struct world *w, struct joint *a, const vec *r, real *value)
 {
     take_residual(a, r);
-    *value = precondition(w, a);
+    *value = apply_preconditioner(w, a);
     return DRAPE_OK;
 }
 
-static int iterate(struct world *w, struct joint *a)
+static int iterate_gradients(struct world *w, struct joint *a)
 {
     real before = 0, first = 0;
     while (a->iterations < a->max_iterations) {
-        real next = precondition(w, a);
+        real next = apply_preconditioner(w, a);
         first = a->iterations == 0 ? next : first;
         if (next == 0 || real_sqrt(next / first) <= a->tolerance)
             return PCG_CONVERGED;
-        if (!pcg_positive(next) || !step(w, a, next, before))
+        if (!pcg_positive(next) || !step_along(w, a, next, before))
             return PCG_BREAKDOWN;
         before = next;
     }
@@ -174,10 +172,10 @@ static int iterate(struct world *w, struct joint *a)
 
 /* §3.2: a last step along M⁻¹ r, which the test of the tolerance has left in
  * q. */
-static void improve(const struct world *w, struct joint *a)
+static void improve_solution(const struct world *w, struct joint *a)
 {
     bool jacobi = w->sheet[0].solver.pcg.precond == DRAPE_JACOBI;
-    real part = jacobi ? LAST_PART : 1;
+    real part = jacobi ? JOINT_LAST_PART : 1;
     EACH_ITEM
     for (int64_t i = 0; i < a->nc; i++)
         a->dv[i] = vec_axpy(a->dv[i], part, a->q[i]);
@@ -187,9 +185,9 @@ int joint_solve(struct world *w, struct joint *a)
 {
     a->iterations = 0;
     take_residual(a, a->b);
-    a->outcome = iterate(w, a);
+    a->outcome = iterate_gradients(w, a);
     if (a->outcome == PCG_CONVERGED && a->iterations > 0)
-        improve(w, a);
-    multiply(w, a, false, a->dv, a->q);
+        improve_solution(w, a);
+    multiply_matrix(w, a, false, a->dv, a->q);
     return DRAPE_OK;
 }

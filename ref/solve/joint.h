@@ -8,14 +8,18 @@
 
 struct world;
 
+/* Of the last step, by Jacobi (lagrange.md §3.2). */
+#define JOINT_LAST_PART (R(2.0) / 3)
+
 struct joint {
     int64_t nc;     /* particles of all cloths */
     real tolerance; /* ≥ 0, in the energy norm, of the first residual */
     int32_t max_iterations; /* ≥ 0 */
-    const sym *hold, *wall; /* [nv] kg, of coulomb; hold as M was made with */
-    const vec *b;           /* [nc] N·s, 0 where fixed */
-    int32_t epoch;          /* another one where other cloths are asleep */
-    struct links links;     /* the contacts; x and y are set by the solve */
+    const sym *bound,
+        *single;        /* [nv] kg, of coulomb; bound as M was made with */
+    const vec *b;       /* [nc] N·s, 0 where fixed */
+    int32_t epoch;      /* another one where other cloths are asleep */
+    struct links links; /* the contacts; x and y are set by the solve */
 
     vec *r, *p, *p2;  /* scratch: [nv], 0 where fixed; p2: the device's */
     real *item;       /* scratch: [nc], the device's */
@@ -32,11 +36,11 @@ struct joint {
 /* The three functions run by the reference. DRAPE_OK, also where a solve does
  * not converge, or the status of a stage. */
 
-/* Makes the preconditioner M of A + hold. */
+/* Makes the preconditioner M of A + bound. */
 int joint_set_up(struct world *w, struct joint *a);
 /* Sets *value to r·M⁻¹ r; r [nc], 0 where fixed. */
 int joint_measure(struct world *w, struct joint *a, const vec *r, real *value);
-/* Solves (A + wall + C) dv = b with M. */
+/* Solves (A + single + C) dv = b with M. */
 int joint_solve(struct world *w, struct joint *a);
 
 #endif

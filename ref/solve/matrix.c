@@ -18,7 +18,7 @@ struct cdf ref_cdf(int32_t m, int32_t n)
 }
 
 /* §2: returns the diagonal block of p, at (i, j). */
-static sym diagonal(const struct matrix *s, int32_t i, int32_t j)
+static sym diagonal_block(const struct matrix *s, int32_t i, int32_t j)
 {
     int64_t p = i + (int64_t)s->m * j;
     real mass = s->mass[p];
@@ -36,7 +36,7 @@ static sym diagonal(const struct matrix *s, int32_t i, int32_t j)
 }
 
 /* 0 - b and not -b, so that a missing block gives +0. */
-static mat negate(sym b)
+static mat negate_block(sym b)
 {
     mat a = {vec_make(0 - b.xx, 0 - b.xy, 0 - b.xz),
              vec_make(0 - b.xy, 0 - b.yy, 0 - b.yz),
@@ -60,7 +60,7 @@ static void fill_row(const struct matrix *s, const struct cdf *c, int32_t i,
         int o = (k - 1) / 2, sign = k % 2 ? 1 : -1;
         bool spring = spring_inside(s->m, s->n, i, j, o, sign);
         int64_t from = o * s->count + (sign > 0 ? p : q);
-        s->cdf[c->start[k] + p] = negate(spring ? s->block[from] : none);
+        s->cdf[c->start[k] + p] = negate_block(spring ? s->block[from] : none);
     }
 }
 
@@ -76,7 +76,7 @@ int ref_matrix(struct matrix *s)
     EACH_ITEM
     for (int32_t j = 0; j < s->n; j++)
         for (int32_t i = 0; i < s->m; i++) {
-            s->diagonal[i + (int64_t)s->m * j] = diagonal(s, i, j);
+            s->diagonal[i + (int64_t)s->m * j] = diagonal_block(s, i, j);
             if (s->n_cdf)
                 fill_row(s, &c, i, j);
         }

@@ -68,7 +68,7 @@ int64_t ref_multigrid_size(struct multigrid *s)
     int32_t m = s->m, n = s->n;
     s->count = (int64_t)m * n;
     s->n_blocks = SPRINGS * s->count;
-    s->n_parts = s->n_thin ? s->n_blocks : 0;
+    s->n_parts = s->n_packed ? s->n_blocks : 0;
     s->n_pool = s->count;
     s->n_room = s->count;
     s->n_live = 2 * s->count;
@@ -103,9 +103,9 @@ static void multiply_coarse(const struct level *l)
     product_couplings(&c);
 }
 
-/* §3: computes y = A x on any grid; on the finest grid with the thin blocks, if
- * there are any. */
-static void multiply(const struct multigrid *s, const struct level *l)
+/* §3: computes y = A x on any grid; on the finest grid with the packed blocks,
+ * if there are any. */
+static void multiply_level(const struct multigrid *s, const struct level *l)
 {
     struct product a = {.m = s->m,
                         .n = s->n,
@@ -129,7 +129,7 @@ static void multiply(const struct multigrid *s, const struct level *l)
     if (l->block) {
         multiply_coarse(l);
     } else {
-        c.thin = s->n_thin ? s->parts : NULL;
+        c.packed = s->n_packed ? s->parts : NULL;
         product_start(&a);
         product_couplings(&c);
     }
@@ -150,10 +150,10 @@ static void smooth_zero(const struct level *l, real damping)
         l->x[p] = vec_scale(damping, factor_solve(l->factor[p], l->b[p]));
 }
 
-static void smooth(const struct multigrid *s, const struct level *l,
-                   real damping)
+static void smooth_level(const struct multigrid *s, const struct level *l,
+                         real damping)
 {
-    multiply(s, l);
+    multiply_level(s, l);
     EACH_MANY(l->count)
     for (int64_t p = 0; p < l->count; p++) {
         vec r = vec_sub(l->b[p], l->y[p]);
@@ -163,9 +163,9 @@ static void smooth(const struct multigrid *s, const struct level *l,
 }
 
 /* Computes the residual that is restricted: y = b - A x, 0 where fixed. */
-static void residual(const struct multigrid *s, const struct level *l)
+static void find_residual(const struct multigrid *s, const struct level *l)
 {
-    multiply(s, l);
+    multiply_level(s, l);
     EACH_MANY(l->count)
     for (int64_t p = 0; p < l->count; p++)
         l->y[p] = l->fixed && l->fixed[p] ? vec_make(0, 0, 0)
@@ -173,7 +173,7 @@ static void residual(const struct multigrid *s, const struct level *l)
 }
 
 /* §2: returns the restricted residual of coarse particle (i, j), (Pᵀ y)_ij. */
-static vec restricted(const struct level *f, int32_t i, int32_t j)
+static vec restrict_residual(const struct level *f, int32_t i, int32_t j)
 {
     vec sum = {0, 0, 0};
     for (int dj = -1; dj <= 1; dj++)
@@ -194,12 +194,13 @@ static void restrict_to(const struct level *f, const struct level *c)
     EACH_MANY(c->count)
     for (int32_t j = 0; j < c->n; j++)
         for (int32_t i = 0; i < c->m; i++)
-            b[i + (int64_t)c->m * j] = restricted(f, i, j);
+            b[i + (int64_t)c->m * j] = restrict_residual(f, i, j);
 }
 
 /* §2: returns the correction of the coarse grid, interpolated to fine particle
  * (i, j). */
-static vec prolonged(const struct level *c, uint8_t rule, int32_t i, int32_t j)
+static vec prolonged_correction(const struct level *c, uint8_t rule, int32_t i,
+                                int32_t j)
 {
     vec sum = {0, 0, 0};
     for (int32_t y = j / 2; y <= (j + 1) / 2; y++)
@@ -210,14 +211,15 @@ static vec prolonged(const struct level *c, uint8_t rule, int32_t i, int32_t j)
     return sum;
 }
 
-static void prolong(const struct level *c, const struct level *f)
+static void prolong_level(const struct level *c, const struct level *f)
 {
     EACH_MANY(f->count)
     for (int32_t j = 0; j < f->n; j++)
         for (int32_t i = 0; i < f->m; i++) {
             int64_t p = i + (int64_t)f->m * j;
             if (!f->fixed || !f->fixed[p])
-                f->x[p] = vec_add(f->x[p], prolonged(c, f->rule[p], i, j));
+                f->x[p] =
+                    vec_add(f->x[p], prolonged_correction(c, f->rule[p], i, j));
         }
 }
 
@@ -250,8 +252,8 @@ int ref_multigrid_build(struct multigrid *s)
                        .rule = l[0].rule};
     int status = ref_excess(&e);
     EACH_ITEM
-    for (int64_t k = 0; k < s->n_thin; k++)
-        s->parts[k] = thin_open(s->thin[k]);
+    for (int64_t k = 0; k < s->n_packed; k++)
+        s->parts[k] = packed_open(s->packed[k]);
     for (int k = 1; k < levels && status == DRAPE_OK; k++) {
         struct coarsen c = {.m = l[k - 1].m,
                             .n = l[k - 1].n,
@@ -289,14 +291,14 @@ void ref_multigrid_cycle(struct multigrid *s)
          coarse = damping_of(s->n_extra ? 4 : 2.5);
     for (int k = 0; k < last; k++) {
         smooth_zero(&l[k], k ? coarse : fine);
-        residual(s, &l[k]);
+        find_residual(s, &l[k]);
         restrict_to(&l[k], &l[k + 1]);
     }
     struct coarsest d = coarsest_of(s, &l[last]);
     coarsest_solve(&d, l[last].b, l[last].x);
     for (int k = last - 1; k >= 0; k--) {
-        prolong(&l[k + 1], &l[k]);
-        smooth(s, &l[k], k ? coarse : fine);
+        prolong_level(&l[k + 1], &l[k]);
+        smooth_level(s, &l[k], k ? coarse : fine);
     }
 }
 

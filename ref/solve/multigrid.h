@@ -6,43 +6,44 @@
 
 #include "ref/base/stage.h"
 
-struct thin;
-struct thin_parts;
+struct packed;
+struct packed_parts;
 
 enum { LEVELS = 40 };
 
 struct multigrid {
-    int32_t m, n;            /* particles along i and j */
-    int64_t count;           /* m·n */
-    const real *mass;        /* [count] kg */
-    int64_t n_extra;         /* count, or 0: none */
-    const sym *extra;        /* [n_extra] kg */
-    int64_t n_blocks;        /* SPRINGS·count */
-    const sym *block;        /* [n_blocks] kg, 0 where missing */
-    int64_t n_thin;          /* SPRINGS·count, or 0: none, smooth with block */
-    const struct thin *thin; /* [n_thin] kg, in place of block for smoothing */
-    int32_t triples;         /* 1: blocks of triples, A ≤ 3·diagonal; 0: of
-                                springs alone, A ≤ 2·diagonal */
-    const uint8_t *fixed;    /* [count] */
-    const sym *factor;       /* [count] of ref_jacobi, with thin if there is
-                                any */
-    const vec *r;            /* [count] 0 where fixed */
+    int32_t m, n;     /* particles along i and j */
+    int64_t count;    /* m·n */
+    const real *mass; /* [count] kg */
+    int64_t n_extra;  /* count, or 0: none */
+    const sym *extra; /* [n_extra] kg */
+    int64_t n_blocks; /* SPRINGS·count */
+    const sym *block; /* [n_blocks] kg, 0 where missing */
+    int64_t n_packed; /* SPRINGS·count, or 0: none, smooth with block */
+    const struct packed
+        *packed;          /* [n_packed] kg, in place of block for smoothing */
+    int32_t triples;      /* 1: blocks of triples, A ≤ 3·diagonal; 0: of
+                             springs alone, A ≤ 2·diagonal */
+    const uint8_t *fixed; /* [count] */
+    const sym *factor;    /* [count] of ref_jacobi, with packed if there is
+                             any */
+    const vec *r;         /* [count] 0 where fixed */
 
     int64_t n_pool, n_room, n_live, n_dense; /* from ref_multigrid_size */
     int64_t n_parts;                         /* from ref_multigrid_size */
-    struct thin_parts *parts; /* scratch: [n_parts] thin, decoded once; the
-                                 device decodes thin at each read */
-    sym *pool;                /* scratch: [n_pool] coarse operators */
-    vec *room;                /* scratch: [n_room] vectors of all grids */
-    uint8_t *live;            /* scratch: [n_live] live springs, then rules */
-    double *dense;            /* scratch: [n_dense] factor of the coarsest
-                                 grid */
+    struct packed_parts *parts; /* scratch: [n_parts] packed, decoded once; the
+                                 device decodes packed at each read */
+    sym *pool;                  /* scratch: [n_pool] coarse operators */
+    vec *room;                  /* scratch: [n_room] vectors of all grids */
+    uint8_t *live;              /* scratch: [n_live] live springs, then rules */
+    double *dense;              /* scratch: [n_dense] factor of the coarsest
+                                   grid */
 
     vec *z; /* out: [count] M⁻¹ r, 0 where fixed */
 };
 
-/* Sets the sizes from m, n and n_thin. Returns the bytes of scratch, 0 if m or
- * n is below 1. */
+/* Sets the sizes from m, n and n_packed. Returns the bytes of scratch, 0 if m
+ * or n is below 1. */
 int64_t ref_multigrid_size(struct multigrid *s);
 
 /* Builds the coarse operators. DRAPE_OK, or DRAPE_EARG as ref_coarsen. */

@@ -11,7 +11,7 @@ int64_t ref_pcg_size(struct pcg *s)
 {
     s->count = (int64_t)s->m * s->n;
     s->n_blocks = SPRINGS * s->count;
-    s->n_thin = s->precond == DRAPE_MULTIGRID ? s->n_blocks : 0;
+    s->n_packed = s->precond == DRAPE_MULTIGRID ? s->n_blocks : 0;
     s->n_chunks = sum_chunks(s->count);
     s->n_cdf = s->form == DRAPE_CDF ? ref_cdf(s->m, s->n).blocks : 0;
     struct multigrid none = {0};
@@ -19,14 +19,14 @@ int64_t ref_pcg_size(struct pcg *s)
     if (s->precond == DRAPE_MULTIGRID) {
         s->grid.m = s->m;
         s->grid.n = s->n;
-        s->grid.n_thin = s->n_thin;
+        s->grid.n_packed = s->n_packed;
     }
     return ref_multigrid_size(&s->grid) + s->n_cdf * (int64_t)sizeof(mat) +
            s->count * (int64_t)(2 * sizeof(sym) + 5 * sizeof(vec)) +
            s->n_chunks * (int64_t)sizeof(real);
 }
 
-static real dot(struct pcg *s, const vec *a, const vec *b)
+static real dot_streams(struct pcg *s, const vec *a, const vec *b)
 {
     struct dot d = {.n = s->count,
                     .a = a,
@@ -37,7 +37,7 @@ static real dot(struct pcg *s, const vec *a, const vec *b)
     return d.value;
 }
 
-static void multiply(struct pcg *s, const vec *x, vec *y)
+static void multiply_matrix(struct pcg *s, const vec *x, vec *y)
 {
     struct product a = {.m = s->m,
                         .n = s->n,
@@ -55,7 +55,7 @@ static void multiply(struct pcg *s, const vec *x, vec *y)
 }
 
 /* Sets s->s to M⁻¹ r. */
-static void precondition(struct pcg *s)
+static void apply_preconditioner(struct pcg *s)
 {
     if (s->precond == DRAPE_MULTIGRID && !s->fell_back) {
         ref_multigrid_cycle(&s->grid);
@@ -104,7 +104,7 @@ static real two_sum(real *a, real b)
 }
 
 /* §3: adds alpha p to dv + low. */
-static void advance(vec *dv, vec *low, real alpha, vec p)
+static void advance_solution(vec *dv, vec *low, real alpha, vec p)
 {
     vec d = vec_scale(alpha, p);
     low->x += two_sum(&dv->x, d.x);
@@ -113,14 +113,14 @@ static void advance(vec *dv, vec *low, real alpha, vec p)
 }
 
 /* Gives multigrid the streams that it shares with the solve. */
-static void share(struct pcg *s)
+static void set_up_grid(struct pcg *s)
 {
     s->grid.mass = s->mass;
     s->grid.n_extra = s->n_extra;
     s->grid.extra = s->extra;
     s->grid.block = s->block;
-    s->grid.n_thin = s->n_thin;
-    s->grid.thin = s->thin;
+    s->grid.n_packed = s->n_packed;
+    s->grid.packed = s->packed;
     s->grid.triples = s->triples;
     s->grid.fixed = s->fixed;
     s->grid.factor = s->factor;
@@ -135,7 +135,7 @@ int pcg_open(struct pcg *s)
         s->precond < DRAPE_JACOBI || s->precond > DRAPE_MULTIGRID ||
         s->form < DRAPE_CDF || s->form > DRAPE_COMPACT)
         return DRAPE_EARG;
-    share(s);
+    set_up_grid(s);
     s->iterations = s->fell_back = 0;
     s->recurrence = s->residual = 0;
     s->outcome = PCG_CONVERGED;
@@ -163,8 +163,8 @@ int pcg_set_up(struct pcg *s, const struct pcg_stages *stages, void *backend)
                        .extra = s->extra,
                        .n_blocks = s->n_blocks,
                        .block = s->block,
-                       .n_thin = s->n_thin,
-                       .thin = s->thin,
+                       .n_packed = s->n_packed,
+                       .packed = s->packed,
                        .fixed = s->fixed,
                        .factor = s->factor};
     int status = s->n_cdf ? stages->matrix(backend, &a) : DRAPE_OK;
@@ -175,19 +175,19 @@ int pcg_set_up(struct pcg *s, const struct pcg_stages *stages, void *backend)
     return status;
 }
 
-static int matrix(void *none, struct matrix *s)
+static int run_matrix(void *none, struct matrix *s)
 {
     (void)none;
     return ref_matrix(s);
 }
 
-static int jacobi(void *none, struct jacobi *s)
+static int run_jacobi(void *none, struct jacobi *s)
 {
     (void)none;
     return ref_jacobi(s);
 }
 
-static int multigrid(void *none, struct multigrid *s)
+static int run_multigrid(void *none, struct multigrid *s)
 {
     (void)none;
     return ref_multigrid_build(s);
@@ -195,7 +195,8 @@ static int multigrid(void *none, struct multigrid *s)
 
 int ref_pcg_set_up(struct pcg *s)
 {
-    static const struct pcg_stages stages = {matrix, jacobi, multigrid};
+    static const struct pcg_stages stages = {run_matrix, run_jacobi,
+                                             run_multigrid};
     return pcg_set_up(s, &stages, NULL);
 }
 
@@ -214,7 +215,7 @@ static int set_up(struct pcg *s)
 /* §3: makes the next direction p from s = M⁻¹ r, where next = r·s, and its
  * image q, and takes a step along p. False if the matrix is not positive
  * definite along p. */
-static bool step(struct pcg *s, real next, real *rho, bool first)
+static bool step_along(struct pcg *s, real next, real *rho, bool first)
 {
     real beta = first ? 0 : next / *rho;
     *rho = next;
@@ -222,26 +223,26 @@ static bool step(struct pcg *s, real next, real *rho, bool first)
     for (int64_t k = 0; k < s->count; k++)
         s->p[k] = first ? s->s[k] : vec_axpy(s->s[k], beta, s->p[k]);
 
-    multiply(s, s->p, s->q);
+    multiply_matrix(s, s->p, s->q);
     EACH_ITEM
     for (int64_t k = 0; k < s->count; k++)
         if (s->fixed[k])
             s->q[k] = vec_make(0, 0, 0);
-    real curvature = dot(s, s->p, s->q);
+    real curvature = dot_streams(s, s->p, s->q);
     if (!pcg_positive(curvature))
         return false;
     real alpha = next / curvature;
     EACH_ITEM
     for (int64_t k = 0; k < s->count; k++) {
         if (!s->fixed[k])
-            advance(&s->dv[k], &s->low[k], alpha, s->p[k]);
+            advance_solution(&s->dv[k], &s->low[k], alpha, s->p[k]);
         s->r[k] = vec_axpy(s->r[k], -alpha, s->q[k]);
     }
     return true;
 }
 
 /* §4.1: whether r·M⁻¹r and |r|² have fallen below the tolerance. */
-static bool calm(struct pcg *s, real next, real square)
+static bool has_converged(struct pcg *s, real next, real square)
 {
     if (s->iterations == 0)
         s->scale = real_max(next, s->scale);
@@ -252,18 +253,18 @@ static bool calm(struct pcg *s, real next, real square)
 
 /* §4: iterates until the recurrence meets the tolerance; returns the outcome.
  */
-static int iterate(struct pcg *s, real square)
+static int iterate_gradients(struct pcg *s, real square)
 {
     real rho = 0, left = square;
     for (bool first = true; s->iterations < s->max_iterations; first = false) {
-        precondition(s);
-        real next = dot(s, s->r, s->s);
-        if (s->energy && calm(s, next, left))
+        apply_preconditioner(s);
+        real next = dot_streams(s, s->r, s->s);
+        if (s->energy && has_converged(s, next, left))
             return PCG_CONVERGED;
-        if (!pcg_positive(next) || !step(s, next, &rho, first))
+        if (!pcg_positive(next) || !step_along(s, next, &rho, first))
             return PCG_BREAKDOWN;
         s->iterations++;
-        left = dot(s, s->r, s->r);
+        left = dot_streams(s, s->r, s->r);
         if (s->energy)
             continue;
         s->recurrence = real_sqrt(left / square);
@@ -286,7 +287,7 @@ int ref_pcg(struct pcg *s)
         true_residual(s);
     else
         take_right_side(s);
-    real square = dot(s, s->r, s->r), before = 2;
+    real square = dot_streams(s, s->r, s->r), before = 2;
     if (square == 0)
         return DRAPE_OK;
     s->recurrence = s->residual = 1;
@@ -303,9 +304,9 @@ int ref_pcg(struct pcg *s)
             break;
         }
         before = s->residual;
-        s->outcome = iterate(s, square);
+        s->outcome = iterate_gradients(s, square);
         true_residual(s);
-        s->residual = real_sqrt(dot(s, s->r, s->r) / most);
+        s->residual = real_sqrt(dot_streams(s, s->r, s->r) / most);
         if (s->energy && s->outcome == PCG_CONVERGED)
             break;
         /* §5: after a breakdown of multigrid Jacobi may still converge. */

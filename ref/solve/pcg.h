@@ -28,21 +28,21 @@ struct pcg {
                     or to its first value, whichever is larger; out: the
                     larger one */
     real square; /* ≥ 0, with energy: the same for r·r */
-    const real *mass;        /* [count] kg, > 0 where free */
-    int64_t n_extra;         /* count, or 0: none */
-    const sym *extra;        /* [n_extra] kg, positive semidefinite */
-    int64_t n_blocks;        /* SPRINGS·count */
-    const sym *block;        /* [n_blocks] kg, spring o of p at o·count + p, 0
-                                where missing; their sum is positive
-                                semidefinite */
-    int64_t n_thin;          /* SPRINGS·count, or 0: the blocks themselves */
-    const struct thin *thin; /* [n_thin] kg, from ref_blocks, of which multigrid
-                                is made */
-    int32_t triples;         /* 1: the blocks are of triples, too */
-    const uint8_t *fixed;    /* [count] not 0: dv is given */
-    const vec *b;            /* [count] N·s */
-    int64_t n_z;             /* count, or 0: given dv are 0 */
-    const vec *z;            /* [n_z] m/s, read where fixed */
+    const real *mass; /* [count] kg, > 0 where free */
+    int64_t n_extra;  /* count, or 0: none */
+    const sym *extra; /* [n_extra] kg, positive semidefinite */
+    int64_t n_blocks; /* SPRINGS·count */
+    const sym *block; /* [n_blocks] kg, spring o of p at o·count + p, 0
+                         where missing; their sum is positive
+                         semidefinite */
+    int64_t n_packed; /* SPRINGS·count, or 0: the blocks themselves */
+    const struct packed *packed; /* [n_packed] kg, from ref_blocks, of which
+                                multigrid is made */
+    int32_t triples;             /* 1: the blocks are of triples, too */
+    const uint8_t *fixed;        /* [count] not 0: dv is given */
+    const vec *b;                /* [count] N·s */
+    int64_t n_z;                 /* count, or 0: given dv are 0 */
+    const vec *z;                /* [n_z] m/s, read where fixed */
 
     int64_t n_cdf, n_chunks; /* from ref_pcg_size */
     struct mat *cdf;         /* scratch: [n_cdf] */

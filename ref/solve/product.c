@@ -6,18 +6,18 @@
  * rows is computed once. */
 enum { BAND = 16 };
 
-/* The blocks of one direction that start in one row of the grid. thin: read in
- * place of block, unless NULL. */
+/* The blocks of one direction that start in one row of the grid. packed: read
+ * in place of block, unless NULL. */
 struct edges {
     const sym *block;
-    const struct thin_parts *thin;
+    const struct packed_parts *packed;
 };
 
 /* §1: B (x_p - x_q) for particle p = i of the row, q = p + step. */
-static inline vec pull(struct edges b, int32_t i, const vec *x, int64_t step)
+static inline vec pull_of(struct edges b, int32_t i, const vec *x, int64_t step)
 {
     vec d = vec_sub(x[i], x[i + step]);
-    return b.thin ? thin_apply(b.thin[i], d) : sym_apply(b.block[i], d);
+    return b.packed ? packed_apply(b.packed[i], d) : sym_apply(b.block[i], d);
 }
 
 /* Adds each spring's term to both of its ends. As i ascends, a particle
@@ -27,7 +27,7 @@ static void pull_both(int32_t n, struct edges b, const vec *restrict x,
                       int64_t step, vec *restrict y)
 {
     for (int32_t i = 0; i < n; i++) {
-        vec f = pull(b, i, x, step);
+        vec f = pull_of(b, i, x, step);
         y[i] = vec_add(y[i], f);
         y[i + step] = vec_sub(y[i + step], f);
     }
@@ -37,14 +37,14 @@ static void pull_first(int32_t n, struct edges b, const vec *restrict x,
                        int64_t step, vec *restrict y)
 {
     for (int32_t i = 0; i < n; i++)
-        y[i] = vec_add(y[i], pull(b, i, x, step));
+        y[i] = vec_add(y[i], pull_of(b, i, x, step));
 }
 
 static void pull_second(int32_t n, struct edges b, const vec *restrict x,
                         int64_t step, vec *restrict y)
 {
     for (int32_t i = 0; i < n; i++)
-        y[i + step] = vec_sub(y[i + step], pull(b, i, x, step));
+        y[i + step] = vec_sub(y[i + step], pull_of(b, i, x, step));
 }
 
 /* Adds the terms of the springs of direction o that start in row j, at those
@@ -56,7 +56,7 @@ static void pull_row(const struct couplings *c, int o, int32_t j, int32_t from,
     int32_t n = c->m - (di < 0 ? -di : di);
     int64_t p = first + (int64_t)c->m * j, step = di + (int64_t)c->m * dj;
     int64_t at = o * c->count + p;
-    struct edges b = {c->block + at, c->thin ? c->thin + at : NULL};
+    struct edges b = {c->block + at, c->packed ? c->packed + at : NULL};
     if (j < 0 || j + dj >= c->n)
         return;
     if (j >= from && j + dj < to)

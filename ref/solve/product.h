@@ -4,7 +4,7 @@
 #ifndef REF_PRODUCT_H
 #define REF_PRODUCT_H
 
-#include "ref/base/thin.h"
+#include "ref/base/packed.h"
 #include "ref/solve/matrix.h"
 
 struct product {
@@ -29,9 +29,10 @@ struct couplings {
     int32_t directions;    /* forward: dj > 0, or dj = 0 and di > 0 */
     const int8_t *di, *dj; /* [directions] */
     const sym *block;      /* [directions·count] kg, o of p at o·count + p */
-    const struct thin_parts *thin; /* the same, in place of block; or NULL */
-    const vec *x;                  /* [count] */
-    vec *y; /* inout: [count] the springs' part of A x is added */
+    const struct packed_parts
+        *packed;  /* the same, in place of block; or NULL */
+    const vec *x; /* [count] */
+    vec *y;       /* inout: [count] the springs' part of A x is added */
 };
 
 /* §1: adds the springs' part of the product to y. */

@@ -4,14 +4,14 @@
 
 #include "ref/base/wide.h"
 
-static struct wide solution(const struct residual *s, int64_t p)
+static struct wide solution_of(const struct residual *s, int64_t p)
 {
     struct wide x = wide_of(s->x[p]), low = wide_of(s->low[p]);
     return wide_make(x.x + low.x, x.y + low.y, x.z + low.z);
 }
 
 /* Returns r - a d. */
-static struct wide minus(struct wide r, sym a, struct wide d)
+static struct wide subtract_product(struct wide r, sym a, struct wide d)
 {
     struct wide x = {(double)a.xx, (double)a.xy, (double)a.xz};
     struct wide y = {(double)a.xy, (double)a.yy, (double)a.yz};
@@ -24,17 +24,19 @@ static struct wide minus(struct wide r, sym a, struct wide d)
 static vec left_over(const struct residual *s, int32_t i, int32_t j)
 {
     int64_t p = i + (int64_t)s->m * j;
-    struct wide x = solution(s, p);
+    struct wide x = solution_of(s, p);
     struct wide r = wide_axpy(wide_of(s->b[p]), -(double)s->mass[p], x);
     if (s->n_extra)
-        r = minus(r, s->extra[p], x);
+        r = subtract_product(r, s->extra[p], x);
     for (int o = 0; o < SPRINGS; o++) {
         const sym *block = s->block + o * s->count;
         int64_t step = spring_step(s->m, o), before = p - step;
         if (spring_inside(s->m, s->n, i, j, o, -1))
-            r = minus(r, block[before], wide_sub(x, solution(s, before)));
+            r = subtract_product(r, block[before],
+                                 wide_sub(x, solution_of(s, before)));
         if (spring_inside(s->m, s->n, i, j, o, 1))
-            r = minus(r, block[p], wide_sub(x, solution(s, p + step)));
+            r = subtract_product(r, block[p],
+                                 wide_sub(x, solution_of(s, p + step)));
     }
     return wide_round(r);
 }

@@ -3,12 +3,12 @@
 #include "ref/solve/solver.h"
 
 #include "ref/base/clock.h"
-#include "ref/base/thin.h"
+#include "ref/base/packed.h"
 #include "ref/cloth/cloth.h"
 #include "ref/cloth/dynamics.h"
 #include "ref/solve/matrix.h"
 
-static void *take(struct arena *a, int64_t n, size_t size)
+static void *take_stream(struct arena *a, int64_t n, size_t size)
 {
     return arena_take(a, ARENA_SOLVER, n, size);
 }
@@ -34,20 +34,21 @@ int solver_make(struct solver *s, const drape_def *def,
 {
     struct pcg *p = &s->pcg;
     solver_size(p, def, cloth);
-    p->cdf = take(arena, p->n_cdf, sizeof *p->cdf);
-    p->diagonal = take(arena, p->n_cdf ? p->count : 0, sizeof *p->diagonal);
-    p->factor = take(arena, p->count, sizeof *p->factor);
-    p->low = take(arena, p->count, sizeof *p->low);
-    p->r = take(arena, p->count, sizeof *p->r);
-    p->s = take(arena, p->count, sizeof *p->s);
-    p->p = take(arena, p->count, sizeof *p->p);
-    p->q = take(arena, p->count, sizeof *p->q);
-    p->chunk = take(arena, p->n_chunks, sizeof *p->chunk);
-    p->grid.parts = take(arena, p->grid.n_parts, sizeof *p->grid.parts);
-    p->grid.pool = take(arena, p->grid.n_pool, sizeof *p->grid.pool);
-    p->grid.room = take(arena, p->grid.n_room, sizeof *p->grid.room);
-    p->grid.live = take(arena, p->grid.n_live, sizeof *p->grid.live);
-    p->grid.dense = take(arena, p->grid.n_dense, sizeof *p->grid.dense);
+    p->cdf = take_stream(arena, p->n_cdf, sizeof *p->cdf);
+    p->diagonal =
+        take_stream(arena, p->n_cdf ? p->count : 0, sizeof *p->diagonal);
+    p->factor = take_stream(arena, p->count, sizeof *p->factor);
+    p->low = take_stream(arena, p->count, sizeof *p->low);
+    p->r = take_stream(arena, p->count, sizeof *p->r);
+    p->s = take_stream(arena, p->count, sizeof *p->s);
+    p->p = take_stream(arena, p->count, sizeof *p->p);
+    p->q = take_stream(arena, p->count, sizeof *p->q);
+    p->chunk = take_stream(arena, p->n_chunks, sizeof *p->chunk);
+    p->grid.parts = take_stream(arena, p->grid.n_parts, sizeof *p->grid.parts);
+    p->grid.pool = take_stream(arena, p->grid.n_pool, sizeof *p->grid.pool);
+    p->grid.room = take_stream(arena, p->grid.n_room, sizeof *p->grid.room);
+    p->grid.live = take_stream(arena, p->grid.n_live, sizeof *p->grid.live);
+    p->grid.dense = take_stream(arena, p->grid.n_dense, sizeof *p->grid.dense);
     return arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
 }
 
@@ -56,7 +57,7 @@ int solver_solve(struct dynamics *d)
     struct solver *s = d->solver;
     double start = clock_now();
     s->pcg.block = d->block;
-    s->pcg.thin = d->thin;
+    s->pcg.packed = d->packed;
     s->pcg.b = d->b;
     s->pcg.dv = d->dv;
     if (d->asked > 0)

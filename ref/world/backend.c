@@ -3,19 +3,34 @@
  * before they return. ref/base/backend.h */
 #include "ref/base/backend.h"
 
-#include "ref/base/stages.h"
+#include "ref/base/prescribed.h"
+#include "ref/base/sum.h"
+#include "ref/broad/travel.h"
+#include "ref/cloth/implicit.h"
 #include "ref/cloth/motion.h"
+#include "ref/contact/carry.h"
+#include "ref/contact/contacts.h"
+#include "ref/contact/coulomb.h"
+#include "ref/contact/impacts.h"
+#include "ref/contact/impulses.h"
+#include "ref/contact/proximity.h"
+#include "ref/contact/rollback.h"
 #include "ref/contact/unknowns.h"
-#include "ref/sleep/rouse.h"
-#include "ref/world/led.h"
+#include "ref/contact/zones.h"
+#include "ref/momentum/momentum.h"
+#include "ref/narrow/audit.h"
+#include "ref/narrow/narrow.h"
+#include "ref/sleep/wake.h"
+#include "ref/world/kinematics.h"
+#include "ref/world/state.h"
 
-static void *take(void *on, enum arena_part part, int64_t n, size_t size)
+static void *take_stream(void *on, enum arena_part part, int64_t n, size_t size)
 {
     return arena_take(on, part, n, size);
 }
 
-static int grow(void *on, struct pool *pool, int64_t need, size_t size,
-                bool kept)
+static int grow_pool(void *on, struct pool *pool, int64_t need, size_t size,
+                     bool kept)
 {
     (void)kept;
     need += need / 4 + 64;
@@ -28,42 +43,42 @@ static int grow(void *on, struct pool *pool, int64_t need, size_t size,
     return DRAPE_OK;
 }
 
-static void give(void *on, void *p)
+static void give_stream(void *on, void *p)
 {
     arena_give(on, p);
 }
 
-static void copy(void *on, void *to, const void *from, size_t bytes)
+static void copy_bytes(void *on, void *to, const void *from, size_t bytes)
 {
     (void)on;
     if (bytes && to != from)
         memcpy(to, from, bytes);
 }
 
-static void clear(void *on, void *p, size_t bytes)
+static void clear_bytes(void *on, void *p, size_t bytes)
 {
     (void)on;
     if (bytes)
         memset(p, 0, bytes);
 }
 
-static void begin(void *on)
+static void begin_work(void *on)
 {
     ((struct arena *)on)->failed = false;
 }
 
-static void wait(void *on)
+static void wait_for_work(void *on)
 {
     (void)on;
 }
 
-static int status(void *on)
+static int get_status(void *on)
 {
     return ((struct arena *)on)->failed ? DRAPE_ENOMEM : DRAPE_OK;
 }
 
-static void trace(void *on, struct trace *t, const char *stage, const void *out,
-                  size_t bytes)
+static void trace_output(void *on, struct trace *t, const char *stage,
+                         const void *out, size_t bytes)
 {
     (void)on;
     trace_stage(t, stage, out, bytes);
@@ -95,7 +110,7 @@ STAGE(coulomb)
 STAGE(carry)
 STAGE(retain)
 
-static int motion(void *on, struct sheet *s)
+static int run_motion(void *on, struct sheet *s)
 {
     (void)on;
     return ref_motion(&s->dynamics);
@@ -107,41 +122,42 @@ static int motion_part(void *on, struct sheet *s, int part)
     return ref_motion_part(&s->dynamics, (enum motion_part)part);
 }
 
-static void energy(void *on, struct sheet *s, const vec *x, const vec *v,
-                   double value[3])
+static void find_energy(void *on, struct sheet *s, const vec *x, const vec *v,
+                        double value[3])
 {
     (void)on;
     motion_energy(&s->dynamics, x, v, value);
 }
 
-static int ask(void *on, struct broad *b, const vec *x0, const vec *x1, real r,
-               bool *apart)
+static int ask_meshes_apart(void *on, struct broad *b, const vec *x0,
+                            const vec *x1, real r, bool *apart)
 {
     (void)on;
-    return broad_whole_apart(b, x0, x1, r, apart);
+    return broad_meshes_apart(b, x0, x1, r, apart);
 }
 
-static int query(void *on, struct broad *b, const vec *x0, const vec *x1,
-                 real r, const uint8_t *moved)
+static int run_query(void *on, struct broad *b, const vec *x0, const vec *x1,
+                     real r, const uint8_t *moved)
 {
     (void)on;
     return broad_query(b, x0, x1, r, moved);
 }
 
-static void start(void *on, struct response *s)
+static void start_response(void *on, struct response *s)
 {
     (void)on;
     rounds_start(s);
 }
 
-static void advance(void *on, struct response *s, int64_t n,
-                    const int32_t *vertex, const uint8_t *moved, bool stop)
+static void advance_vertices(void *on, struct response *s, int64_t n,
+                             const int32_t *vertex, const uint8_t *moved,
+                             bool stop)
 {
     (void)on;
     rounds_advance(s, n, vertex, moved, stop);
 }
 
-static void touch(void *on, const struct response *s)
+static void touch_vertices(void *on, const struct response *s)
 {
     (void)on;
     rounds_touch(s);
@@ -154,94 +170,95 @@ static void cap_targets(void *on, const struct response *s,
     rounds_settle(s, contact);
 }
 
-static void shift(void *on, const struct shift *s)
+static void shift_state(void *on, const struct shift *s)
 {
     (void)on;
     unknowns_shift(s);
 }
 
-static void jump(void *on, const struct jumps *s)
+static void find_jump(void *on, const struct jumps *s)
 {
     (void)on;
     unknowns_jump(s);
 }
 
-static void lessen(void *on, int64_t n, real part, const vec *q, vec *r)
+static void subtract_part(void *on, int64_t n, real part, const vec *q, vec *r)
 {
     (void)on;
     unknowns_lessen(n, part, q, r);
 }
 
-static void pin(void *on, int64_t n, const int32_t *pinned, const vec *x,
-                vec *to)
+static void place_pins(void *on, int64_t n, const int32_t *pinned, const vec *x,
+                       vec *to)
 {
     (void)on;
-    led_pin(n, pinned, x, to);
+    prescribed_pin(n, pinned, x, to);
 }
 
-static void blend(void *on, const struct blend *s)
+static void blend_places(void *on, const struct blend *s)
 {
     (void)on;
-    led_blend(s);
+    prescribed_blend(s);
 }
 
-static void keep(void *on, int64_t n, const uint8_t *fixed, const vec *old,
-                 vec *a)
+static void keep_fixed(void *on, int64_t n, const uint8_t *fixed,
+                       const vec *old, vec *a)
 {
     (void)on;
-    led_keep(n, fixed, old, a);
+    prescribed_keep(n, fixed, old, a);
 }
 
-static bool sane(void *on, int64_t n, const vec *a)
+static bool are_sane(void *on, int64_t n, const vec *a)
 {
     (void)on;
-    return led_sane(n, a);
+    return prescribed_sane(n, a);
 }
 
-static void laws(void *on, struct sheet *s)
+static void renew_laws(void *on, struct sheet *s)
 {
     (void)on; /* the stages read them in struct cloth */
     (void)s;
 }
 
-static bool differs(void *on, int64_t n, const int32_t *at, const vec *x0,
-                    const vec *x1)
+static bool find_difference(void *on, int64_t n, const int32_t *at,
+                            const vec *x0, const vec *x1)
 {
     (void)on;
-    return led_differs(n, at, x0, x1);
+    return prescribed_differs(n, at, x0, x1);
 }
 
-static void rouse(void *on, struct rouse *s)
+static void find_disturbed(void *on, struct wake *s)
 {
     (void)on;
-    rouse_near(s);
+    wake_find(s);
 }
 
-static void mask(void *on, int64_t n, const uint16_t *body,
-                 const uint8_t *awake, uint8_t *to)
+static void set_mask(void *on, int64_t n, const uint16_t *body,
+                     const uint8_t *awake, uint8_t *to)
 {
     (void)on;
-    rouse_mask(n, body, awake, to);
+    wake_mask(n, body, awake, to);
 }
 
-static void ways(void *on, int64_t n, const uint16_t *body, const vec *x0,
-                 const vec *x1, int bodies, real *most)
+static void find_displacements(void *on, int64_t n, const uint16_t *body,
+                               const vec *x0, const vec *x1, int bodies,
+                               real *most)
 {
     (void)on;
-    rouse_ways(n, body, x0, x1, bodies, most);
+    wake_displacements(n, body, x0, x1, bodies, most);
 }
 
-static void velocities(void *on, int64_t n, const vec *x0, const vec *x1,
-                       real dt, vec *v)
+static void find_velocities(void *on, int64_t n, const vec *x0, const vec *x1,
+                            real dt, vec *v)
 {
     (void)on;
-    led_velocities(n, x0, x1, dt, v);
+    prescribed_velocities(n, x0, x1, dt, v);
 }
 
-static real furthest(void *on, int64_t n, const vec *x0, const vec *x1)
+static real find_furthest(void *on, int64_t n, const vec *x0, const vec *x1)
 {
     (void)on;
-    return led_furthest(n, x0, x1);
+    return prescribed_furthest(n, x0, x1);
 }
 
 static int ending_streams(void *on, struct audit *s, int64_t nt, int64_t cloths)
@@ -254,17 +271,32 @@ static int ending_streams(void *on, struct audit *s, int64_t nt, int64_t cloths)
     return s->count ? DRAPE_OK : DRAPE_ENOMEM;
 }
 
-const struct backend backend_ref = {.take = take,
-                                    .grow = grow,
-                                    .give = give,
-                                    .copy = copy,
-                                    .clear = clear,
-                                    .send = copy,
+/* Whether an obstacle or a pin has another place in x1 than in x0, compared by
+ * bits. */
+static bool any_moves(const struct world *w)
+{
+    if (prescribed_differs(w->nv - w->nc, NULL, w->x0 + w->nc, w->x1 + w->nc))
+        return true;
+    for (int k = 0; k < w->def.n_cloths; k++) {
+        struct pins pins = sheet_pins(&w->sheet[k]);
+        const vec *x0 = w->x0 + w->sheet[k].first;
+        if (prescribed_differs(pins.n, pins.at, x0, pins.x))
+            return true;
+    }
+    return false;
+}
+
+const struct backend backend_ref = {.take = take_stream,
+                                    .grow = grow_pool,
+                                    .give = give_stream,
+                                    .copy = copy_bytes,
+                                    .clear = clear_bytes,
+                                    .send = copy_bytes,
                                     .pushes = 2,
-                                    .begin = begin,
-                                    .wait = wait,
-                                    .status = status,
-                                    .trace = trace,
+                                    .begin = begin_work,
+                                    .wait = wait_for_work,
+                                    .status = get_status,
+                                    .trace = trace_output,
                                     .dot = dot,
                                     .kinematics = kinematics,
                                     .moments = moments,
@@ -283,33 +315,33 @@ const struct backend backend_ref = {.take = take,
                                     .coulomb = coulomb,
                                     .carry = carry,
                                     .retain = retain,
-                                    .motion = motion,
+                                    .motion = run_motion,
                                     .motion_part = motion_part,
-                                    .energy = energy,
+                                    .energy = find_energy,
                                     .joint_set_up = joint_set_up,
                                     .joint_measure = joint_measure,
                                     .joint = joint_solve,
-                                    .broad_whole_apart = ask,
-                                    .broad_query = query,
-                                    .start = start,
-                                    .advance = advance,
-                                    .touch = touch,
+                                    .broad_meshes_apart = ask_meshes_apart,
+                                    .broad_query = run_query,
+                                    .start = start_response,
+                                    .advance = advance_vertices,
+                                    .touch = touch_vertices,
                                     .cap_targets = cap_targets,
                                     .slice_room = unknowns_room,
-                                    .shift = shift,
-                                    .jump = jump,
-                                    .lessen = lessen,
-                                    .pin = pin,
-                                    .blend = blend,
-                                    .keep = keep,
-                                    .sane = sane,
-                                    .fetch = copy,
-                                    .laws = laws,
-                                    .moves = led_moves,
-                                    .differs = differs,
-                                    .rouse = rouse,
-                                    .mask = mask,
-                                    .ways = ways,
-                                    .velocities = velocities,
-                                    .furthest = furthest,
+                                    .shift = shift_state,
+                                    .jump = find_jump,
+                                    .lessen = subtract_part,
+                                    .pin = place_pins,
+                                    .blend = blend_places,
+                                    .keep = keep_fixed,
+                                    .sane = are_sane,
+                                    .fetch = copy_bytes,
+                                    .laws = renew_laws,
+                                    .moves = any_moves,
+                                    .differs = find_difference,
+                                    .wake_find = find_disturbed,
+                                    .wake_mask = set_mask,
+                                    .wake_displacements = find_displacements,
+                                    .velocities = find_velocities,
+                                    .furthest = find_furthest,
                                     .ending_streams = ending_streams};

@@ -9,9 +9,9 @@
 #include "ref/base/hash.h"
 #include "ref/cloth/table.h"
 #include "ref/contact/kept.h"
-#include "ref/control/air.h"
 #include "ref/control/control.h"
 #include "ref/sleep/sleep.h"
+#include "ref/world/air.h"
 
 struct header {
     char magic[8]; /* "drape-" and the number of this format */
@@ -19,7 +19,7 @@ struct header {
     uint64_t fingerprint, check; /* check: a hash of all other bytes */
     int64_t step, vertices, intersecting;
     double time;
-    uint32_t near, past;
+    uint32_t nearness, past;
     int64_t kept; /* of struct kept, behind the streams */
     drape_wind wind;
 };
@@ -131,8 +131,8 @@ uint64_t checkpoint_fingerprint(const drape_def *d, uint64_t *print)
 /* Lists the streams that are part of the state: the next step reads them. A
  * stream that the scene does not have has 0 bytes. */
 enum { PLACE, SPEED, WATCH, REST, STREAMS = 7 };
-static void streams(const struct world *w, void *stream[STREAMS],
-                    size_t bytes[STREAMS])
+static void list_streams(const struct world *w, void *stream[STREAMS],
+                         size_t bytes[STREAMS])
 {
     size_t n = (size_t)w->nv * sizeof(vec);
     size_t past = w->past_x ? (size_t)w->nc * sizeof(vec) : 0;
@@ -165,7 +165,7 @@ static struct header header_of(const struct world *w)
     h.vertices = w->nv;
     h.intersecting = w->intersecting;
     h.time = w->time;
-    h.near = (uint32_t)w->near;
+    h.nearness = (uint32_t)w->nearness;
     h.past = (uint32_t)w->past;
     h.wind = w->def.wind;
     return h;
@@ -214,7 +214,8 @@ int checkpoint_save(const struct world *w, drape_write *write, void *user)
     size_t bytes[STREAMS];
     int n = 0;
     struct kept *kept = NULL;
-    struct changes c = {.bytes = control_pack(w, NULL), .armed = w->told.armed};
+    struct changes c = {.bytes = control_pack(w, NULL),
+                        .armed = w->targets.armed};
     memcpy(c.gravity, w->def.gravity, sizeof c.gravity);
     bool plain = c.bytes == 0 && same_gravity(w);
     memcpy(h.magic, plain ? magic : changed, sizeof magic);
@@ -234,19 +235,19 @@ int checkpoint_save(const struct world *w, drape_write *write, void *user)
         add_part(&p, &n, &c, sizeof c);
         add_part(&p, &n, pack, (size_t)c.bytes);
     }
-    streams(w, stream, bytes);
+    list_streams(w, stream, bytes);
     for (int k = 0; k < STREAMS; k++)
         add_part(&p, &n, stream[k], bytes[k]);
     add_part(&p, &n, kept, (size_t)h.kept * sizeof *kept);
     if (c.armed)
-        add_part(&p, &n, w->told.to, (size_t)w->nv * sizeof(vec));
+        add_part(&p, &n, w->targets.to, (size_t)w->nv * sizeof(vec));
     status = write_parts(&h, &p, n, write, user);
     arena_give(w->arena, pack);
     arena_give(w->arena, kept);
     return status;
 }
 
-static bool matches(const struct world *w, const struct header *h)
+static bool is_matching(const struct world *w, const struct header *h)
 {
     bool known = !memcmp(h->magic, magic, sizeof magic) ||
                  !memcmp(h->magic, changed, sizeof changed);
@@ -259,7 +260,7 @@ static bool matches(const struct world *w, const struct header *h)
  * value that the steps of this world can give it. */
 
 /* The level of the shortest slices of a step. */
-static int deepest(const struct world *w)
+static int deepest_level(const struct world *w)
 {
     int level = 0;
     while (2 << level <= w->def.max_slices)
@@ -281,14 +282,14 @@ static bool good_wind(const drape_wind *wind)
 /* Contacts of a world, at most: 4 n < 2^31. */
 enum { MOST_KEPT = 1 << 29 };
 
-/* What the last slice left. */
+/* The numbers that the last slice left. */
 static bool good_last(const struct world *w, const struct header *h)
 {
     int64_t pairs = w->plan.collides ? w->nt * (w->nt - 1) / 2 : 0;
-    uint32_t near = w->plan.collides ? NEAR_CONTACTS : NEAR_NONE;
-    int past = w->past_x ? 1 + deepest(w) : 0;
+    uint32_t most = w->plan.collides ? NEAR_CONTACTS : NEAR_NONE;
+    int past = w->past_x ? 1 + deepest_level(w) : 0;
     return h->intersecting >= 0 && h->intersecting <= pairs &&
-           h->near <= near && h->past <= (uint32_t)past &&
+           h->nearness <= most && h->past <= (uint32_t)past &&
            (h->kept == 0 || w->plan.solves);
 }
 
@@ -326,7 +327,7 @@ static bool good_watch(const uint8_t *at, size_t bytes)
 static bool good_rests(const struct world *w, const uint8_t *at, size_t bytes)
 {
     int32_t n = (int32_t)(bytes / sizeof(struct rest));
-    int past = w->past_x ? 1 + deepest(w) : 0;
+    int past = w->past_x ? 1 + deepest_level(w) : 0;
     int steps = w->def.sleep ? SLEEP_MOST : 0, asleep = w->def.sleep ? 1 : 0;
     for (struct rest r; bytes > 0; bytes -= sizeof r, at += sizeof r) {
         memcpy(&r, at, sizeof r);
@@ -358,7 +359,7 @@ struct read {
     uint8_t *aside;    /* the streams */
     struct kept *kept; /* [h.kept] */
     struct kept *part; /* [h.kept], of kept_room */
-    vec *to;           /* [nv]; NULL: no target is told */
+    vec *to;           /* [nv]; NULL: no target is set */
     size_t bytes[STREAMS];
     void *stream[STREAMS];
 };
@@ -400,8 +401,8 @@ static int read_changes(struct world *w, drape_read_bytes *read, void *user,
     return read_part(w, read, user, (size_t)r->c.bytes, &r->pack, check);
 }
 
-/* Reads what contacts carry on. Their number may be anything in a file that
- * somebody made, so that memory is taken as bytes arrive. */
+/* Reads the multipliers that contacts carry on. Their number may be anything in
+ * a file that somebody made, so that memory is taken as bytes arrive. */
 static int read_kept(struct world *w, drape_read_bytes *read, void *user,
                      struct read *r, uint64_t *check)
 {
@@ -449,7 +450,8 @@ static int read_streams(struct world *w, drape_read_bytes *read, void *user,
 static bool good_obstacle(const struct world *w, const struct read *r, int k)
 {
     const struct prop *p = &w->prop[k];
-    if (p->moves || (r->c.bytes && control_told(w, r->pack, r->c.bytes, k)))
+    if (p->moves ||
+        (r->c.bytes && control_is_targeted(w, r->pack, r->c.bytes, k)))
         return true;
     const double *rest = w->home->prop[k].place.rest;
     const uint8_t *at = r->aside + (size_t)p->first * sizeof(vec);
@@ -489,7 +491,7 @@ static int read_all(struct world *w, drape_read_bytes *read, void *user,
 {
     if (read(user, &r->h, sizeof r->h))
         return DRAPE_EIO;
-    if (!matches(w, &r->h) || r->h.kept < 0 || r->h.kept > MOST_KEPT)
+    if (!is_matching(w, &r->h) || r->h.kept < 0 || r->h.kept > MOST_KEPT)
         return DRAPE_EMATCH;
     uint64_t want = r->h.check, check = check_header(&r->h);
     int status = read_changes(w, read, user, r, &check);
@@ -500,7 +502,7 @@ static int read_all(struct world *w, drape_read_bytes *read, void *user,
     return status == DRAPE_OK && !good_read(w, r) ? DRAPE_EDATA : status;
 }
 
-static int apply(struct world *w, const struct read *r)
+static int apply_checkpoint(struct world *w, const struct read *r)
 {
     const struct header *h = &r->h;
     size_t at = 0;
@@ -509,7 +511,7 @@ static int apply(struct world *w, const struct read *r)
     for (int k = 0; k < STREAMS; at += r->bytes[k++])
         if (r->bytes[k])
             memcpy(r->stream[k], r->aside + at, r->bytes[k]);
-    if (w->home == w) { /* no step writes x1 and v1 of what never moves */
+    if (w->home == w) { /* no step writes these of a static obstacle */
         memcpy(w->x1, w->x0, (size_t)w->nv * sizeof *w->x1);
         memcpy(w->v1, w->v0, (size_t)w->nv * sizeof *w->v1);
     }
@@ -518,7 +520,7 @@ static int apply(struct world *w, const struct read *r)
     w->intersecting = h->intersecting;
     w->time = h->time;
     sleep_forget(w);
-    w->near = (enum nearness)h->near;
+    w->nearness = (enum nearness)h->nearness;
     w->past = (int)h->past;
     return kept_spread(w, r->kept, h->kept, r->part);
 }
@@ -526,7 +528,7 @@ static int apply(struct world *w, const struct read *r)
 int checkpoint_load(struct world *w, drape_read_bytes *read, void *user)
 {
     struct read r = {.pack = NULL};
-    streams(w, r.stream, r.bytes);
+    list_streams(w, r.stream, r.bytes);
     w->run->begin(w->on);
     int status = read_all(w, read, user, &r);
     if (status == DRAPE_OK && plan_windy(&r.h.wind))
@@ -537,7 +539,7 @@ int checkpoint_load(struct world *w, drape_read_bytes *read, void *user)
         status = control_unpack(w, r.pack, r.c.bytes, r.to,
                                 (const vec *)(const void *)r.aside);
     if (status == DRAPE_OK)
-        status = apply(w, &r);
+        status = apply_checkpoint(w, &r);
     arena_give(w->arena, r.pack);
     arena_give(w->arena, r.aside);
     arena_give(w->arena, r.kept);

@@ -16,7 +16,7 @@ static const real RANGE = R(1.25);
 
 static void give_pairs(const struct world *w, struct pairs *out)
 {
-    out->n = w->sleep->roused ? 0 : w->broad.n; /* the slice is taken again */
+    out->n = w->sleep->woken ? 0 : w->broad.n; /* the slice is taken again */
     out->pair = w->broad.pair.data;
     out->kind = w->broad.kind.data;
 }
@@ -54,9 +54,9 @@ static int find_near(struct world *w, const vec *to, real r)
     double start = clock_now();
     bool apart = false;
     int status = DRAPE_OK;
-    if (w->near == NEAR_NONE)
+    if (w->nearness == NEAR_NONE)
         status =
-            w->run->broad_whole_apart(w->on, &w->broad, w->x0, to, r, &apart);
+            w->run->broad_meshes_apart(w->on, &w->broad, w->x0, to, r, &apart);
     if (status == DRAPE_OK && !apart)
         status = w->run->broad_query(w->on, &w->broad, w->x0, to, r, NULL);
     if (status == DRAPE_OK && !apart)
@@ -101,12 +101,12 @@ static void count_contacts(const struct response *c, drape_step_report *r)
     r->candidates = c->candidates;
     r->zone_vertices = c->zone_vertices;
     r->rolled_back = c->rolled_back;
-    r->work.near = c->near;
+    r->work.near = c->close;
     r->work.later = c->later;
     r->work.narrow = c->narrow;
 }
 
-static int start(struct world *w)
+static int start_contacts(struct world *w)
 {
     struct response *c = &w->response;
     c->x0 = w->x0;
@@ -122,16 +122,16 @@ static int start(struct world *w)
 
 /* §3.1: the pairs that are close at the start of the slice are pushed apart:
  * within the solve of all cloths, or by themselves. */
-static int repel(struct world *w)
+static int repel_pairs(struct world *w)
 {
-    int status = start(w);
+    int status = start_contacts(w);
     if (status == DRAPE_OK)
         status = find_near(w, w->x0, w->response.range * w->reach);
-    struct pairs near = {w->broad.n, w->broad.pair.data, w->broad.kind.data};
-    if (status != DRAPE_OK || w->sleep->roused)
+    struct pairs close = {w->broad.n, w->broad.pair.data, w->broad.kind.data};
+    if (status != DRAPE_OK || w->sleep->woken)
         return status;
-    return w->plan.solves ? lagrange_solve(w, &near)
-                          : response_repel(&w->response, &near);
+    return w->plan.solves ? lagrange_solve(w, &close)
+                          : response_repel(&w->response, &close);
 }
 
 /* Sets *alone if no pair comes within reach during the slice, so that the rest
@@ -141,14 +141,14 @@ static int test_alone(struct world *w, bool *alone)
 {
     response_reset(&w->response);
     *alone = false;
-    if (w->near != NEAR_NONE)
+    if (w->nearness != NEAR_NONE)
         return DRAPE_OK;
     int status = find_near(w, w->x1, RANGE * w->reach);
     *alone = w->broad.n == 0;
     return status;
 }
 
-/* What the loop that solves contacts has done. */
+/* Reports the work of the loop that solves contacts. */
 static void count_solves(const struct world *w, drape_step_report *r)
 {
     const struct lagrange *a = &w->lagrange;
@@ -159,15 +159,15 @@ static void count_solves(const struct world *w, drape_step_report *r)
     r->residual = fmax(r->residual, a->residual);
 }
 
-int collide(struct world *w, drape_step_report *r, double *last)
+int collide_slice(struct world *w, drape_step_report *r, double *last)
 {
     bool alone;
     int status = test_alone(w, &alone);
     if (status == DRAPE_OK && !alone)
-        status = repel(w);
+        status = repel_pairs(w);
     charge_contact(w, r, DRAPE_PART_PROXIMITY, last);
     w->met = !alone;
-    if (status != DRAPE_OK || alone || w->sleep->roused)
+    if (status != DRAPE_OK || alone || w->sleep->woken)
         return status;
     r->outcome |= w->lagrange.solved ? w->lagrange.outcome : 0;
     if (r->outcome & DRAPE_DIVERGED)

@@ -11,7 +11,7 @@ int collide_far(struct world *w, drape_step_report *r, double *last,
                 bool *again);
 /* §3: changes x1 and v1 from the motion without contact to the motion with
  * contact. Returns a status. */
-int collide(struct world *w, drape_step_report *r, double *last);
+int collide_slice(struct world *w, drape_step_report *r, double *last);
 
 /* The function `broad` of struct response; user is the world. Finds the
  * candidates that have a touched vertex, or all candidates if touched is NULL.

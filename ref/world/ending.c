@@ -4,7 +4,7 @@
  * each step until no pair is left. spec/world/step.md §11 */
 #include "ref/world/ending.h"
 
-static void *take(struct world *w, void *had, int64_t n, size_t size)
+static void *take_array(struct world *w, void *had, int64_t n, size_t size)
 {
     return had ? had : w->run->take(w->on, ARENA_RESPONSE, n, size);
 }
@@ -16,12 +16,12 @@ static int take_streams(struct world *w)
     struct audit *s = &w->ending;
     s->n_nodes = ref_audit_nodes(w->nt);
     for (int k = 0; k < 2; k++) {
-        s->key[k] = take(w, s->key[k], w->nt, sizeof **s->key);
-        s->order[k] = take(w, s->order[k], w->nt, sizeof **s->order);
+        s->key[k] = take_array(w, s->key[k], w->nt, sizeof **s->key);
+        s->order[k] = take_array(w, s->order[k], w->nt, sizeof **s->order);
     }
-    s->node = take(w, s->node, s->n_nodes, sizeof *s->node);
-    s->degenerate = take(w, s->degenerate, w->nt, 1);
-    s->group = take(w, (void *)s->group, w->nt, sizeof *s->group);
+    s->node = take_array(w, s->node, s->n_nodes, sizeof *s->node);
+    s->degenerate = take_array(w, s->degenerate, w->nt, 1);
+    s->group = take_array(w, (void *)s->group, w->nt, sizeof *s->group);
     int status = w->run->status(w->on);
     if (status != DRAPE_OK)
         return status;

@@ -7,14 +7,15 @@
 #include <stdio.h>
 
 #include "ref/cloth/table.h"
-#include "ref/world/lead.h"
+#include "ref/world/prescribe.h"
 
-static void *take(struct world *w, enum arena_part part, int64_t n, size_t size)
+static void *take_stream(struct world *w, enum arena_part part, int64_t n,
+                         size_t size)
 {
     return arena_take(w->arena, part, n, size);
 }
 
-static int say(drape_error *error, int status, const char *format, ...)
+static int write_error(drape_error *error, int status, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
@@ -30,25 +31,28 @@ static int say_misfit(const drape_cloth *def, int k, const struct misfit *why,
 {
     const drape_material *m = &def->material;
     if (why->kind == MISFIT_OBLONG)
-        return say(error, DRAPE_EARG,
-                   "cloth %d: cells of %.4g by %.4g m are too oblong: expected "
-                   "a ratio of sides below sqrt(stretch / shear) = %.4g",
-                   k, def->width / (def->m - 1), def->height / (def->n - 1),
-                   sqrt(m->stretch / m->shear));
+        return write_error(
+            error, DRAPE_EARG,
+            "cloth %d: cells of %.4g by %.4g m are too oblong: expected "
+            "a ratio of sides below sqrt(stretch / shear) = %.4g",
+            k, def->width / (def->m - 1), def->height / (def->n - 1),
+            sqrt(m->stretch / m->shear));
     if (why->kind == MISFIT_UNSETTLED)
-        return say(error, DRAPE_EARG,
-                   "cloth %d: material.stretch: no laws of springs were found "
-                   "that give these tables",
-                   k);
+        return write_error(
+            error, DRAPE_EARG,
+            "cloth %d: material.stretch: no laws of springs were found "
+            "that give these tables",
+            k);
     const char *name = table_name(why->table);
     if (why->kind == MISFIT_BENDING)
-        return say(error, DRAPE_EARG,
-                   "cloth %d: material.stretch.%s: a table needs bending by "
-                   "triples",
-                   k, name);
+        return write_error(
+            error, DRAPE_EARG,
+            "cloth %d: material.stretch.%s: a table needs bending by "
+            "triples",
+            k, name);
     const double *at = m->table[why->table][why->point];
     double least = 1.001 * why->least; /* not below it when rounded */
-    return say(
+    return write_error(
         error, DRAPE_EARG,
         "cloth %d: material.stretch.%s[%d]: %.4g N/m at strain %.4g is too "
         "little beside the other directions: expected at least %.4g",
@@ -63,8 +67,8 @@ static int size_cloth(const drape_cloth *def, int k, struct cloth *cloth,
     if (ref_cloth_size(def, cloth) != DRAPE_OK)
         return say_misfit(def, k, &cloth->misfit, error);
     if (cloth->n_triangles == 0)
-        return say(error, DRAPE_EARG,
-                   "cloth %d: holes and cuts leave no cell of it", k);
+        return write_error(error, DRAPE_EARG,
+                           "cloth %d: holes and cuts leave no cell of it", k);
     return DRAPE_OK;
 }
 
@@ -96,14 +100,15 @@ int fill_sizes(struct world *w, const drape_def *def, drape_error *error)
 
 void fill_motions(struct world *w, const drape_def *def)
 {
-    drape_motion *motion = take(w, ARENA_OTHER, def->n_motions, sizeof *motion);
-    w->pose = take(w, ARENA_OTHER, def->n_motions, sizeof *w->pose);
+    drape_motion *motion =
+        take_stream(w, ARENA_OTHER, def->n_motions, sizeof *motion);
+    w->pose = take_stream(w, ARENA_OTHER, def->n_motions, sizeof *w->pose);
     for (int k = 0; k < def->n_motions && motion; k++) {
         const drape_motion *m = &def->motions[k];
         size_t n = (size_t)m->keys;
-        double *time = take(w, ARENA_OTHER, m->keys, sizeof *time);
-        double(*p)[3] = take(w, ARENA_OTHER, m->keys, sizeof *p);
-        double(*q)[4] = take(w, ARENA_OTHER, m->keys, sizeof *q);
+        double *time = take_stream(w, ARENA_OTHER, m->keys, sizeof *time);
+        double(*p)[3] = take_stream(w, ARENA_OTHER, m->keys, sizeof *p);
+        double(*q)[4] = take_stream(w, ARENA_OTHER, m->keys, sizeof *q);
         if (!time || !p || !q)
             return;
         memcpy(time, m->time, n * sizeof *time);
@@ -126,10 +131,11 @@ static int say_pin(const drape_cloth *def, const struct cloth *c, int k,
     while (c->fixed[def->pins[p].i + (int64_t)def->m * def->pins[p].j] !=
            CLOTH_ABSENT)
         p++;
-    return say(error, DRAPE_EARG,
-               "cloth %d: pin %d: particle (%d, %d) is missing: it is a hole, "
-               "or no cell is left around it",
-               k, p, def->pins[p].i, def->pins[p].j);
+    return write_error(
+        error, DRAPE_EARG,
+        "cloth %d: pin %d: particle (%d, %d) is missing: it is a hole, "
+        "or no cell is left around it",
+        k, p, def->pins[p].i, def->pins[p].j);
 }
 
 static int fill_cloth(struct world *w, const drape_cloth *def, int k,
@@ -137,19 +143,19 @@ static int fill_cloth(struct world *w, const drape_cloth *def, int k,
 {
     struct sheet *s = &w->sheet[k];
     struct cloth *c = &s->cloth;
-    c->cell = take(w, ARENA_CLOTH, c->count, 1);
-    c->springs = take(w, ARENA_CLOTH, c->count, 1);
-    c->beside = take(w, ARENA_CLOTH, c->count, 1);
-    c->fixed = take(w, ARENA_CLOTH, c->count, 1);
-    c->mass = take(w, ARENA_CLOTH, c->count, sizeof *c->mass);
+    c->cell = take_stream(w, ARENA_CLOTH, c->count, 1);
+    c->springs = take_stream(w, ARENA_CLOTH, c->count, 1);
+    c->beside = take_stream(w, ARENA_CLOTH, c->count, 1);
+    c->fixed = take_stream(w, ARENA_CLOTH, c->count, 1);
+    c->mass = take_stream(w, ARENA_CLOTH, c->count, sizeof *c->mass);
     c->tri = w->tri + s->first_triangle;
     if (w->arena->failed)
         return DRAPE_ENOMEM;
     if (ref_cloth_fill(def, c, s->first) != DRAPE_OK)
         return say_pin(def, c, k, error);
     if (ref_cloth_start(def, w->x0 + s->first, w->v0 + s->first) != DRAPE_OK)
-        return say(error, DRAPE_EDATA,
-                   "cloth %d: its flat start leaves |x| up to 2^60", k);
+        return write_error(error, DRAPE_EDATA,
+                           "cloth %d: its flat start leaves |x| up to 2^60", k);
     for (int64_t p = 0; p < c->count; p++) {
         w->w[s->first + p] = c->fixed[p] ? 0 : 1 / c->mass[p];
         w->to[s->first + p] = w->x0[s->first + p];
@@ -175,9 +181,10 @@ static int fill_cloth(struct world *w, const drape_cloth *def, int k,
 
 /* Gives all pins of a particle the motion of the last of them, so that it does
  * not matter which of them is written last. */
-static int agree(struct world *w, const struct sheet *s, int32_t *motion)
+static int agree_on_motion(struct world *w, const struct sheet *s,
+                           int32_t *motion)
 {
-    int32_t *last = take(w, ARENA_OTHER, s->cloth.count, sizeof *last);
+    int32_t *last = take_stream(w, ARENA_OTHER, s->cloth.count, sizeof *last);
     if (!last)
         return DRAPE_ENOMEM;
     for (int64_t i = 0; i < s->pins.n; i++)
@@ -191,10 +198,10 @@ static int agree(struct world *w, const struct sheet *s, int32_t *motion)
 static int fill_pins(struct world *w, const drape_cloth *def, int k)
 {
     struct sheet *s = &w->sheet[k];
-    double *rest = take(w, ARENA_CLOTH, 3 * s->pins.n, sizeof *rest);
-    int32_t *motion = take(w, ARENA_CLOTH, s->pins.n, sizeof *motion);
-    s->pinned = take(w, ARENA_CLOTH, s->pins.n, sizeof *s->pinned);
-    s->pins.x = take(w, ARENA_CLOTH, s->pins.n, sizeof *s->pins.x);
+    double *rest = take_stream(w, ARENA_CLOTH, 3 * s->pins.n, sizeof *rest);
+    int32_t *motion = take_stream(w, ARENA_CLOTH, s->pins.n, sizeof *motion);
+    s->pinned = take_stream(w, ARENA_CLOTH, s->pins.n, sizeof *s->pinned);
+    s->pins.x = take_stream(w, ARENA_CLOTH, s->pins.n, sizeof *s->pins.x);
     if (w->arena->failed)
         return DRAPE_ENOMEM;
     for (int64_t i = 0; i < s->pins.n; i++) {
@@ -217,18 +224,19 @@ static int fill_pins(struct world *w, const drape_cloth *def, int k)
                             .material = def->material,
                             .bending = def->bending};
     s->defined = def->material;
-    return s->pins.n > s->cloth.n_pinned ? agree(w, s, motion) : DRAPE_OK;
+    return s->pins.n > s->cloth.n_pinned ? agree_on_motion(w, s, motion)
+                                         : DRAPE_OK;
 }
 
 static int fill_obstacle(struct world *w, const drape_obstacle *def, int k)
 {
     struct prop *p = &w->prop[k];
     int64_t n = def->n_vertices;
-    double *rest = take(w, ARENA_OBSTACLE, 3 * n, sizeof *rest);
-    int32_t *motion = take(w, ARENA_OBSTACLE, n, sizeof *motion);
+    double *rest = take_stream(w, ARENA_OBSTACLE, 3 * n, sizeof *rest);
+    int32_t *motion = take_stream(w, ARENA_OBSTACLE, n, sizeof *motion);
     if (def->frames)
-        p->frame =
-            take(w, ARENA_OBSTACLE, 3 * n * def->frames, sizeof *p->frame);
+        p->frame = take_stream(w, ARENA_OBSTACLE, 3 * n * def->frames,
+                               sizeof *p->frame);
     if (w->arena->failed)
         return DRAPE_ENOMEM;
     memcpy(rest, def->x, (size_t)(3 * n) * sizeof *rest);
@@ -258,25 +266,25 @@ static int take_streams(struct world *w)
 {
     const struct plan *p = &w->plan;
     int64_t bodies = w->def.n_cloths + w->def.n_obstacles;
-    w->x0 = take(w, ARENA_STATE, w->nv, sizeof *w->x0);
-    w->v0 = take(w, ARENA_STATE, w->nv, sizeof *w->v0);
-    w->x1 = take(w, ARENA_STATE, w->nv, sizeof *w->x1);
-    w->v1 = take(w, ARENA_STATE, w->nv, sizeof *w->v1);
-    w->to = take(w, ARENA_STATE, w->nc, sizeof *w->to);
-    w->w = take(w, ARENA_STATE, w->nv, sizeof *w->w);
-    w->body = take(w, ARENA_STATE, w->nv, sizeof *w->body);
-    w->surface = take(w, ARENA_STATE, bodies, sizeof *w->surface);
-    w->tri = take(w, ARENA_STATE, w->nt, sizeof *w->tri);
-    w->watch = take(w, ARENA_STATE, w->def.n_cloths, sizeof *w->watch);
+    w->x0 = take_stream(w, ARENA_STATE, w->nv, sizeof *w->x0);
+    w->v0 = take_stream(w, ARENA_STATE, w->nv, sizeof *w->v0);
+    w->x1 = take_stream(w, ARENA_STATE, w->nv, sizeof *w->x1);
+    w->v1 = take_stream(w, ARENA_STATE, w->nv, sizeof *w->v1);
+    w->to = take_stream(w, ARENA_STATE, w->nc, sizeof *w->to);
+    w->w = take_stream(w, ARENA_STATE, w->nv, sizeof *w->w);
+    w->body = take_stream(w, ARENA_STATE, w->nv, sizeof *w->body);
+    w->surface = take_stream(w, ARENA_STATE, bodies, sizeof *w->surface);
+    w->tri = take_stream(w, ARENA_STATE, w->nt, sizeof *w->tri);
+    w->watch = take_stream(w, ARENA_STATE, w->def.n_cloths, sizeof *w->watch);
     if (w->def.sleep)
-        w->anchor = take(w, ARENA_STATE, w->nc, sizeof *w->anchor);
+        w->anchor = take_stream(w, ARENA_STATE, w->nc, sizeof *w->anchor);
     if (p->history) {
-        w->past_x = take(w, ARENA_STATE, w->nc, sizeof *w->past_x);
-        w->past_v = take(w, ARENA_STATE, w->nc, sizeof *w->past_v);
+        w->past_x = take_stream(w, ARENA_STATE, w->nc, sizeof *w->past_x);
+        w->past_v = take_stream(w, ARENA_STATE, w->nc, sizeof *w->past_v);
     }
     if (p->history && p->collides) {
-        w->free_x = take(w, ARENA_STATE, w->nc, sizeof *w->free_x);
-        w->free_v = take(w, ARENA_STATE, w->nc, sizeof *w->free_v);
+        w->free_x = take_stream(w, ARENA_STATE, w->nc, sizeof *w->free_x);
+        w->free_v = take_stream(w, ARENA_STATE, w->nc, sizeof *w->free_v);
     }
     return w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
 }
@@ -292,7 +300,7 @@ int fill_streams(struct world *w, const drape_def *def, drape_error *error)
     for (int k = 0; k < def->n_obstacles && status == DRAPE_OK; k++)
         status = fill_obstacle(w, &def->obstacles[k], k);
     if (status == DRAPE_OK)
-        status = lead(w, 0, w->x0);
+        status = prescribe_positions(w, 0, w->x0);
     if (status == DRAPE_OK)
         memcpy(w->x1, w->x0, (size_t)w->nv * sizeof *w->x0);
     return status;

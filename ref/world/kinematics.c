@@ -18,7 +18,8 @@ static int find_key(const drape_motion *m, double t, double *blend)
 
 /* §2.2: interpolates linearly between two unit quaternions by the shorter way
  * round, and normalises the result q. */
-static void turn(const double a[4], const double b[4], double s, double q[4])
+static void blend_rotations(const double a[4], const double b[4], double s,
+                            double q[4])
 {
     double along = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
     double sign = along < 0 ? -1 : 1;
@@ -29,7 +30,7 @@ static void turn(const double a[4], const double b[4], double s, double q[4])
         q[i] = norm > 0 ? q[i] / norm : (i == 0);
 }
 
-static void rows(const double q[4], double r[9])
+static void write_rows(const double q[4], double r[9])
 {
     double w = q[0], x = q[1], y = q[2], z = q[3];
     r[0] = 1 - 2 * (y * y + z * z);
@@ -55,12 +56,12 @@ struct pose kinematics_pose(const drape_motion *motion, double t)
         pose.pivot[i] = motion->pivot[i];
     }
     if (motion->rotation)
-        turn(motion->rotation[k], motion->rotation[next], blend, q);
-    rows(q, pose.rotation);
+        blend_rotations(motion->rotation[k], motion->rotation[next], blend, q);
+    write_rows(q, pose.rotation);
     return pose;
 }
 
-static bool place(const struct kinematics *s, int64_t k)
+static bool place_vertex(const struct kinematics *s, int64_t k)
 {
     double a[3], d[3];
     for (int i = 0; i < 3; i++) {
@@ -85,6 +86,6 @@ int ref_kinematics(struct kinematics *s)
     int bad = 0;
 #pragma omp parallel for schedule(static) reduction(| : bad)
     for (int64_t k = 0; k < s->n; k++)
-        bad |= !place(s, k);
+        bad |= !place_vertex(s, k);
     return bad ? DRAPE_EDATA : DRAPE_OK;
 }

@@ -26,10 +26,11 @@ struct plan plan_make(const drape_def *def)
 {
     struct plan p = {0};
     for (int k = 0; k < def->n_obstacles; k++)
-        p.led |= def->obstacles[k].motion >= 0 || def->obstacles[k].frames;
+        p.prescribed |=
+            def->obstacles[k].motion >= 0 || def->obstacles[k].frames;
     for (int k = 0; k < def->n_cloths; k++)
         for (int i = 0; i < def->cloths[k].n_pins; i++)
-            p.led |= def->cloths[k].pins[i].motion >= 0;
+            p.prescribed |= def->cloths[k].pins[i].motion >= 0;
     p.wind = plan_windy(&def->wind);
     p.implicit = def->integrator >= DRAPE_BW;
     p.history = dynamics_second(def->integrator);
@@ -57,7 +58,7 @@ int plan_rows(const struct world *w, drape_plan_row *row, int capacity)
     const char *alone = "nothing can collide";
     const struct row rows[] = {
         {"state", true, "positions and velocities", "", ARENA_STATE, true},
-        {"kinematics", p->led, "pins or obstacles move",
+        {"kinematics", p->prescribed, "pins or obstacles move",
          "nothing is led: placed once", ARENA_OBSTACLE, true},
         {"wind", p->wind, "there is air", "there is no air", 0, false},
         {"springs", true, "cloth is springs", "", ARENA_CLOTH, true},

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Says which stages a scene uses, and why. The plan is made from the definition
- * when the world is made, and every step follows it. Only `led` changes later:
- * where the caller moves pins or obstacles (spec/control/control.md). */
+ * when the world is made, and every step follows it. Only `prescribed` changes
+ * later: where the caller moves pins or obstacles (spec/control/control.md). */
 #ifndef REF_PLAN_H
 #define REF_PLAN_H
 
@@ -11,17 +11,17 @@
 
 struct world;
 
-/* What a scene uses; from this follows which stages run. */
+/* The features that a scene uses; from these follows which stages run. */
 struct plan {
-    bool led;       /* a pin or an obstacle has a motion or frames */
-    bool wind;      /* the air has a density, and drag or lift */
-    bool implicit;  /* the integrator solves a linear system */
-    bool history;   /* the integrator needs the state before: BDF2 */
-    int newton;     /* linear systems of a motion, at most; explicit: 0 */
-    bool self;      /* cloth can collide with cloth */
-    bool obstacles; /* cloth can collide with an obstacle */
-    bool collides;  /* self or obstacles */
-    bool solves;    /* contacts take part in the solve: lagrange.md */
+    bool prescribed; /* a pin or an obstacle has a motion or frames */
+    bool wind;       /* the air has a density, and drag or lift */
+    bool implicit;   /* the integrator solves a linear system */
+    bool history;    /* the integrator needs the state before: BDF2 */
+    int newton;      /* linear systems of a motion, at most; explicit: 0 */
+    bool self;       /* cloth can collide with cloth */
+    bool obstacles;  /* cloth can collide with an obstacle */
+    bool collides;   /* self or obstacles */
+    bool solves;     /* contacts take part in the solve: lagrange.md */
 };
 
 struct plan plan_make(const drape_def *def);

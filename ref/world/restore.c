@@ -6,7 +6,7 @@
 #include "ref/contact/carry.h"
 #include "ref/sleep/sleep.h"
 
-static vec *take(struct world *w, vec *had, int64_t n)
+static vec *take_stream(struct world *w, vec *had, int64_t n)
 {
     return had ? had : w->run->take(w->on, ARENA_STATE, n, sizeof *had);
 }
@@ -15,15 +15,15 @@ static vec *take(struct world *w, vec *had, int64_t n)
  * an earlier call that then ran out of memory. */
 static int take_start(struct world *w)
 {
-    struct start *s = &w->start;
-    s->x = take(w, s->x, w->nv);
-    s->v = take(w, s->v, w->nv);
+    struct saved_state *s = &w->saved;
+    s->x = take_stream(w, s->x, w->nv);
+    s->v = take_stream(w, s->v, w->nv);
     if (w->past_x) {
-        s->past_x = take(w, s->past_x, w->nc);
-        s->past_v = take(w, s->past_v, w->nc);
+        s->past_x = take_stream(w, s->past_x, w->nc);
+        s->past_v = take_stream(w, s->past_v, w->nc);
     }
     if (w->anchor)
-        s->anchor = take(w, s->anchor, w->nc);
+        s->anchor = take_stream(w, s->anchor, w->nc);
     if (!s->watch)
         s->watch = arena_take(w->arena, ARENA_STATE, w->def.n_cloths,
                               sizeof *s->watch);
@@ -31,8 +31,8 @@ static int take_start(struct world *w)
 }
 
 /* Copies the streams of the state from one set to another. */
-static void copy(const struct world *w, struct start *to,
-                 const struct start *from)
+static void copy_state(const struct world *w, struct saved_state *to,
+                       const struct saved_state *from)
 {
     size_t n = (size_t)w->nv * sizeof(vec),
            cloths = (size_t)w->nc * sizeof(vec);
@@ -48,17 +48,17 @@ static void copy(const struct world *w, struct start *to,
 }
 
 /* Returns the world's own streams of the state. */
-static struct start now(const struct world *w)
+static struct saved_state current_state(const struct world *w)
 {
-    return (struct start){.x = w->x0,
-                          .v = w->v0,
-                          .past_x = w->past_x,
-                          .past_v = w->past_v,
-                          .watch = w->watch,
-                          .anchor = w->anchor};
+    return (struct saved_state){.x = w->x0,
+                                .v = w->v0,
+                                .past_x = w->past_x,
+                                .past_v = w->past_v,
+                                .watch = w->watch,
+                                .anchor = w->anchor};
 }
 
-/* Copies what contacts carry on. */
+/* Copies the multipliers that contacts carry on. */
 static int copy_kept(const struct world *w, struct pool *to, int64_t *n_to,
                      const struct pool *from, int64_t n)
 {
@@ -75,12 +75,12 @@ static int copy_kept(const struct world *w, struct pool *to, int64_t *n_to,
 
 int restore_save(struct world *w)
 {
-    struct start *s = &w->start, from = now(w);
+    struct saved_state *s = &w->saved, from = current_state(w);
     int status = take_start(w);
     if (status != DRAPE_OK)
         return status;
-    copy(w, s, &from);
-    s->near = w->near;
+    copy_state(w, s, &from);
+    s->nearness = w->nearness;
     status = copy_kept(w, &s->kept, &s->n_kept, &w->lagrange.kept[0],
                        w->lagrange.n_kept[0]);
     return status == DRAPE_OK ? w->run->status(w->on) : status;
@@ -88,14 +88,14 @@ int restore_save(struct world *w)
 
 void restore_start(struct world *w)
 {
-    const struct start *s = &w->start;
-    struct start to = now(w);
+    const struct saved_state *s = &w->saved;
+    struct saved_state to = current_state(w);
     w->run->begin(w->on); /* a recorded lack of memory would stop the copies */
     sleep_undo(w);
     if (w->slicing.done == 0)
         return; /* no slice was committed */
-    copy(w, &to, s);
-    w->near = s->near;
+    copy_state(w, &to, s);
+    w->nearness = s->nearness;
     /* where there is no room they are forgotten: contacts begin anew */
     copy_kept(w, &w->lagrange.kept[0], &w->lagrange.n_kept[0], &s->kept,
               s->n_kept);

@@ -12,7 +12,7 @@
 struct gpu_sheet;
 
 /* Pins that the caller has set and moves: control.md §4. */
-struct hand {
+struct caller_pins {
     bool on;       /* false: the definition's pins hold */
     int64_t n;     /* pins */
     int32_t *list; /* [n] the particle of each pin, on the host */
@@ -25,14 +25,14 @@ struct sheet {
     struct cloth cloth;
     drape_cloth made;       /* its scalars; the material is the current one */
     drape_material defined; /* the definition's material */
-    struct hand hand;
+    struct caller_pins caller_pins;
     int64_t first, first_triangle; /* where the cloth begins in the streams */
     int size;                      /* tree_size of its start */
     struct dynamics dynamics;
     struct solver solver;
     struct kinematics pins;
     int32_t *pinned;          /* [pins.n] the particle of each pin */
-    struct gpu_sheet *device; /* what only a device needs; NULL: none */
+    struct gpu_sheet *device; /* streams of a device alone; NULL: none */
 };
 
 /* The pins of a cloth that hold now. */
@@ -43,8 +43,9 @@ struct pins {
 };
 static inline struct pins sheet_pins(const struct sheet *s)
 {
-    if (s->hand.on)
-        return (struct pins){s->hand.n, s->hand.at, s->hand.x};
+    if (s->caller_pins.on)
+        return (struct pins){s->caller_pins.n, s->caller_pins.at,
+                             s->caller_pins.x};
     return (struct pins){s->pins.n, s->pinned, s->pins.x};
 }
 

@@ -6,21 +6,21 @@
 #include "ref/base/clock.h"
 #include "ref/world/state.h"
 
-/* WHOLE: a step in units of the shortest slice. TRIES: how many slices of a
- * step may be taken again after the fail-safe. ROUNDS: most rounds of impulses
- * in a slice that is a whole step and may be taken again. */
-enum { WHOLE = 64, TRIES = 3, ROUNDS = 12 };
+/* STEP_UNITS: a step in units of the shortest slice. TRIES: how many slices of
+ * a step may be taken again after the fail-safe. ROUNDS: most rounds of
+ * impulses in a slice that is a whole step and may be taken again. */
+enum { STEP_UNITS = 64, TRIES = 3, ROUNDS = 12 };
 /* §7.2: how many cells candidates may move relative to each other in a slice
  * whose contacts are not solved with the cloths. */
 static const real CELLS = 4;
 
-static int unit(const struct slicing *s)
+static int slice_units(const struct slicing *s)
 {
-    return WHOLE >> s->level;
+    return STEP_UNITS >> s->level;
 }
 
 /* Returns the square of the relative displacement that §7.2 allows, m². */
-static real allowed(const struct world *w)
+static real allowed_displacement(const struct world *w)
 {
     real way = CELLS * w->cell;
     return way * way;
@@ -38,24 +38,25 @@ double slice_time(struct world *w)
 {
     const struct slicing *s = &w->slicing;
     w->dt = w->def.dt / (1 << s->level);
-    double part = (double)(s->done + unit(s)) / WHOLE;
+    double part = (double)(s->done + slice_units(s)) / STEP_UNITS;
     return ((double)w->step + part) * w->def.dt;
 }
 
 double slice_part(const struct world *w)
 {
-    return (double)(w->slicing.done + unit(&w->slicing)) / WHOLE;
+    return (double)(w->slicing.done + slice_units(&w->slicing)) / STEP_UNITS;
 }
 
 bool slice_last(const struct world *w)
 {
-    return w->slicing.done == WHOLE;
+    return w->slicing.done == STEP_UNITS;
 }
 
 bool slice_too_far(struct world *w, real travel)
 {
     w->slicing.travel = travel;
-    return w->slicing.level < w->slicing.deepest && travel > allowed(w);
+    return w->slicing.level < w->slicing.deepest &&
+           travel > allowed_displacement(w);
 }
 
 void slice_cut(struct world *w)
@@ -98,10 +99,10 @@ bool slice_diverged(struct world *w)
 void slice_keep(struct world *w)
 {
     struct slicing *s = &w->slicing;
-    s->done += unit(s);
+    s->done += slice_units(s);
     s->slices++;
-    bool even = s->done % (2 * unit(s)) == 0;
-    if (s->level > s->least && even && 4 * s->travel <= allowed(w))
+    bool even = s->done % (2 * slice_units(s)) == 0;
+    if (s->level > s->least && even && 4 * s->travel <= allowed_displacement(w))
         s->level--;
 }
 

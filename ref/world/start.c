@@ -8,23 +8,23 @@
 #include "ref/narrow/audit.h"
 #include "ref/narrow/sliver.h"
 
-static void *take(struct world *w, int64_t n, size_t size)
+static void *take_array(struct world *w, int64_t n, size_t size)
 {
     return arena_take(w->arena, ARENA_OTHER, n, size);
 }
 
 static int take_audit(struct world *w, struct audit *s)
 {
-    int32_t *group = take(w, w->nt, sizeof *group);
+    int32_t *group = take_array(w, w->nt, sizeof *group);
     s->n_nodes = ref_audit_nodes(s->nt);
     for (int k = 0; k < 2; k++) {
-        s->key[k] = take(w, s->nt, sizeof **s->key);
-        s->order[k] = take(w, s->nt, sizeof **s->order);
+        s->key[k] = take_array(w, s->nt, sizeof **s->key);
+        s->order[k] = take_array(w, s->nt, sizeof **s->order);
     }
-    s->node = take(w, s->n_nodes, sizeof *s->node);
-    s->count = take(w, s->n_nodes, sizeof *s->count);
-    s->degenerate = take(w, s->nt, 1);
-    s->pair = take(w, s->cap, sizeof *s->pair);
+    s->node = take_array(w, s->n_nodes, sizeof *s->node);
+    s->count = take_array(w, s->n_nodes, sizeof *s->count);
+    s->degenerate = take_array(w, s->nt, 1);
+    s->pair = take_array(w, s->cap, sizeof *s->pair);
     s->group = group;
     for (int64_t k = 0; k < w->nt && group; k++)
         group[k] = k < w->ntc;
@@ -47,8 +47,10 @@ static void give_audit(struct world *w, struct audit *s)
 /* The intersecting pairs of a state, without pairs that the simulation need not
  * keep apart. */
 struct start_pairs {
-    int32_t from, to; /* of each pair one triangle is from … to - 1 */
-    int64_t all;      /* pairs of triangles with area, `from` and `to` aside */
+    int32_t from, to; /* of each pair one triangle is from … to - 1: the
+ others are not wanted */
+    int64_t all;      /* pairs of triangles with area, whatever `from` and
+ `to` are */
     int64_t found;    /* pairs of triangles with area; if there is none, 1 if
                          a triangle without area touches another triangle */
     int32_t first[2]; /* the first pair, ascending; triangles of the scene */
@@ -57,13 +59,13 @@ struct start_pairs {
 
 /* Whether the simulation must keep triangles a and b of the scene apart: never
  * two of obstacles, and two of cloths only with self-collision. */
-static bool counts(const struct world *w, int32_t a, int32_t b)
+static bool is_counted(const struct world *w, int32_t a, int32_t b)
 {
     bool cloth_a = a < w->ntc, cloth_b = b < w->ntc;
     return w->plan.self ? cloth_a || cloth_b : cloth_a != cloth_b;
 }
 
-static bool within(const struct start_pairs *p, int32_t a, int32_t b)
+static bool is_within(const struct start_pairs *p, int32_t a, int32_t b)
 {
     return (a >= p->from && a < p->to) || (b >= p->from && b < p->to);
 }
@@ -74,12 +76,12 @@ static int find_pairs(struct world *w, struct audit *s, struct start_pairs *p)
     if (status == DRAPE_EFULL) {
         arena_give(w->arena, s->pair);
         s->cap = s->found;
-        s->pair = take(w, s->cap, sizeof *s->pair);
+        s->pair = take_array(w, s->cap, sizeof *s->pair);
         status = s->pair ? ref_audit(s) : DRAPE_ENOMEM;
     }
     p->all = s->found;
     for (int64_t k = 0; k < s->found && status == DRAPE_OK; k++)
-        if (within(p, s->pair[k][0], s->pair[k][1]) && !p->found++)
+        if (is_within(p, s->pair[k][0], s->pair[k][1]) && !p->found++)
             memcpy(p->first, s->pair[k], sizeof p->first);
     return status;
 }
@@ -94,11 +96,11 @@ struct sliver {
     int32_t t, other; /* other: out: the triangle that was tested last */
 };
 
-static bool touches(void *user, int32_t other)
+static bool note_touch(void *user, int32_t other)
 {
     struct sliver *r = user;
     r->other = other;
-    if (!counts(r->w, r->t, other) || !within(r->p, r->t, other))
+    if (!is_counted(r->w, r->t, other) || !is_within(r->p, r->t, other))
         return false;
     struct face face = ref_audit_face(r->s, other);
     return ref_sliver(&r->face, &face);
@@ -114,7 +116,7 @@ static void find_sliver(const struct world *w, const struct audit *s,
         if (!s->degenerate[t])
             continue;
         r.face = ref_audit_face(s, t);
-        if (!ref_audit_any(s, t, touches, &r))
+        if (!ref_audit_any(s, t, note_touch, &r))
             continue;
         p->found = 1;
         p->sliver = true;
@@ -139,7 +141,8 @@ static int audit_at(struct world *w, const vec *x, struct start_pairs *p)
     return status;
 }
 
-static void name(const struct world *w, int32_t t, char *text, size_t size)
+static void write_name(const struct world *w, int32_t t, char *text,
+                       size_t size)
 {
     int body = 0, last = w->def.n_cloths + w->def.n_obstacles - 1;
     while (body < last && state_first_triangle(w, body + 1) <= t)
@@ -151,12 +154,12 @@ static void name(const struct world *w, int32_t t, char *text, size_t size)
 }
 
 /* Writes to the error which bodies intersect, and the first pair. */
-static void explain(const struct world *w, const struct start_pairs *p,
-                    drape_error *error)
+static void explain_pairs(const struct world *w, const struct start_pairs *p,
+                          drape_error *error)
 {
     char a[64], b[64], more[64] = "";
-    name(w, p->first[0], a, sizeof a);
-    name(w, p->first[1], b, sizeof b);
+    write_name(w, p->first[0], a, sizeof a);
+    write_name(w, p->first[1], b, sizeof b);
     if (p->found > 1)
         snprintf(more, sizeof more, " (first of %lld pairs)",
                  (long long)p->found);
@@ -180,7 +183,7 @@ int start_audit_at(struct world *w, const vec *x, int body, int64_t *found,
     if (w->def.allow_intersecting)
         return DRAPE_OK;
     if (error)
-        explain(w, &p, error);
+        explain_pairs(w, &p, error);
     return DRAPE_ESTART;
 }
 

@@ -15,7 +15,7 @@
 #include "ref/world/sheet.h"
 #include "ref/world/slice.h"
 
-struct heir;
+struct edited;
 struct rest;
 struct sleep;
 
@@ -27,18 +27,18 @@ struct prop {
     int frames;
     double frame_dt;
     bool moves;    /* it has a motion or frames */
-    bool told;     /* it goes where the caller says: control.md §5 */
+    bool targeted; /* it goes where the caller says: control.md §5 */
     int32_t *none; /* [place.n] zeros, the motion of a pose; NULL: not yet */
     struct pose *pose; /* in the memory of the backend; NULL: not yet */
 };
 
-/* Where the caller leads vertices. The streams are taken when they are first
+/* Where the caller moves vertices. The streams are taken when they are first
  * needed. spec/control/control.md §3 */
-struct told {
+struct targets {
     vec *from, *to; /* [nv] m, the start and the end of the next step */
-    bool armed;     /* a target was told since the last step */
+    bool armed;     /* a target was set since the last step */
     bool stirred;   /* a mesh of class TREE_STATIC moved in the last step */
-    bool planned;   /* the definition moves something, and so plan.led */
+    bool planned;   /* the definition moves something, and so plan.prescribed */
     bool able;      /* the broad phase's apart.able as it was made */
 };
 
@@ -48,14 +48,14 @@ enum nearness { NEAR_NONE, NEAR_PAIRS, NEAR_CONTACTS };
 
 /* A copy of the state at the start of the current step. `watch` and `rest` lie
  * on the host, the other streams in the memory of the backend. */
-struct start {
+struct saved_state {
     vec *x, *v;           /* [nv] */
     vec *past_x, *past_v; /* [nc] or NULL */
     struct pool kept;     /* struct kept */
     int64_t n_kept;
     double (*watch)[2]; /* [n_cloths]; NULL: no start was kept yet */
     vec *anchor;        /* [nc] or NULL */
-    enum nearness near;
+    enum nearness nearness;
 };
 
 /* The list of contacts that the caller asks for. All but the last three lie on
@@ -122,17 +122,17 @@ struct world {
 
     int64_t step;
     double time;
-    enum nearness near;   /* how near things came in the slice before */
-    int64_t intersecting; /* intersecting pairs of the state: step.md §11 */
-    int past;      /* 1 + level of the slice in past_x and past_v; 0: none */
-    double dt;     /* s, length of the current slice */
-    bool leads;    /* an obstacle or a pin moves in this slice */
-    bool met;      /* contact may have changed x1, v1 in this slice */
-    bool reported; /* the caller gave a report to fill */
+    enum nearness nearness; /* how near things came in the slice before */
+    int64_t intersecting;   /* intersecting pairs of the state: step.md §11 */
+    int past;        /* 1 + level of the slice in past_x and past_v; 0: none */
+    double dt;       /* s, length of the current slice */
+    bool prescribes; /* an obstacle or a pin moves in this slice */
+    bool met;        /* contact may have changed x1, v1 in this slice */
+    bool reported;   /* the caller gave a report to fill */
     struct slicing slicing;
     struct sleep *sleep;
-    struct start start;
-    struct told told;
+    struct saved_state saved;
+    struct targets targets;
     struct list list;
     struct conserve conserve;
     struct audit
@@ -164,7 +164,7 @@ static inline int64_t state_first_triangle(const struct world *w, int body)
                          : w->prop[body - cloths].first_triangle;
 }
 
-/* What the API tells of the state that lies on the host for either backend.
+/* Numbers of the state that the API returns, on the host for either backend.
  * step and time may be NULL. */
 static inline void state_clock(const struct world *w, int64_t *step,
                                double *time)
@@ -196,16 +196,17 @@ static inline enum nearness state_nearness(const struct response *c)
 {
     if (c->contacts > 0 || c->active > 0)
         return NEAR_CONTACTS;
-    return c->near > 0 || c->candidates > 0 ? NEAR_PAIRS : NEAR_NONE;
+    return c->close > 0 || c->candidates > 0 ? NEAR_PAIRS : NEAR_NONE;
 }
 
 /* Functions of ref/world/world.c that the device's world uses too. */
 int world_make(const drape_def *def, struct arena *arena, struct world **world,
                drape_error *error);
-/* The same for an heir, which may start in any state; NULL: it is none. */
-int world_make_heir(const drape_def *def, const struct heir *heir,
-                    struct arena *arena, struct world **world,
-                    drape_error *error);
+/* The same for an edited world, which may start in any state; NULL: it is none.
+ */
+int world_make_edited(const drape_def *def, const struct edited *edited,
+                      struct arena *arena, struct world **world,
+                      drape_error *error);
 int world_read(const struct world *w, double (*x)[3], double (*v)[3]);
 void world_read_triangles(const struct world *w, int32_t (*tri)[3]);
 

@@ -11,7 +11,7 @@
 #include "ref/sleep/sleep.h"
 #include "ref/world/collide.h"
 #include "ref/world/ending.h"
-#include "ref/world/lead.h"
+#include "ref/world/prescribe.h"
 #include "ref/world/restore.h"
 #include "ref/world/slice.h"
 
@@ -28,7 +28,7 @@ struct step {
 };
 
 /* Whether the rest of the current slice is to be computed. */
-static bool goes_on(const struct step *s)
+static bool slice_continues(const struct step *s)
 {
     return s->status == DRAPE_OK && !s->again &&
            !(s->r.outcome & DRAPE_DIVERGED);
@@ -56,8 +56,9 @@ static void report_energy(drape_step_report *r, const double energy[3])
     r->potential = energy[2];
 }
 
-/* Starts a step. Where all cloths are asleep and nothing is led that is all. */
-static void begin(struct world *w, struct step *s)
+/* Starts a step. Where all cloths are asleep and nothing is prescribed that is
+ * all. */
+static void begin_step(struct world *w, struct step *s)
 {
     w->run->begin(w->on);
     memset(s->all, 0, sizeof *s->all);
@@ -69,9 +70,9 @@ static void begin(struct world *w, struct step *s)
     sleep_note(w);
     slice_begin(w);
     control_begin(w);
-    if (sleep_all(w) && w->plan.led)
-        s->status = lead(w, slice_time(w), w->x1);
-    s->asleep = sleep_all(w) && s->status == DRAPE_OK && !lead_moves(w);
+    if (sleep_all(w) && w->plan.prescribed)
+        s->status = prescribe_positions(w, slice_time(w), w->x1);
+    s->asleep = sleep_all(w) && s->status == DRAPE_OK && !prescribe_moves(w);
     if (s->asleep)
         s->all->outcome = DRAPE_ASLEEP;
     else if (s->status == DRAPE_OK)
@@ -84,20 +85,21 @@ static bool has_slice_left(const struct world *w, const struct step *s)
            !(s->all->outcome & DRAPE_DIVERGED);
 }
 
-static void place(struct world *w, struct step *s)
+/* Begins a slice: obstacles and pins take their places at its end. */
+static void place_prescribed(struct world *w, struct step *s)
 {
     memset(&s->r, 0, sizeof s->r);
     s->again = false;
     w->met = false;
-    s->status = lead(w, slice_time(w), w->x1);
-    w->leads = s->status == DRAPE_OK && lead_moves(w);
+    s->status = prescribe_positions(w, slice_time(w), w->x1);
+    w->prescribes = s->status == DRAPE_OK && prescribe_moves(w);
     if (s->status == DRAPE_OK)
-        s->status = sleep_look(w);
+        s->status = sleep_begin_slice(w);
     w->run->trace(w->on, w->tracing, "kinematics", w->x1 + w->nc,
                   (size_t)(w->nv - w->nc) * sizeof *w->x1);
 }
 
-/* Sets what the motion of cloth k reads. */
+/* Sets the inputs of the motion of cloth k. */
 static void prepare_sheet(struct world *w, int k)
 {
     struct sheet *s = &w->sheet[k];
@@ -143,7 +145,7 @@ static int move_sheets(struct world *w, drape_step_report *r)
         if (sleep_awake(w, k))
             prepare_sheet(w, k);
     lagrange_forget(w);
-    if (w->plan.solves && w->near >= NEAR_CONTACTS)
+    if (w->plan.solves && w->nearness >= NEAR_CONTACTS)
         return lagrange_begin(w);
     for (int k = 0; k < n && status == DRAPE_OK; k++)
         if (sleep_awake(w, k))
@@ -159,12 +161,12 @@ static int move_sheets(struct world *w, drape_step_report *r)
 
 /* §2: moves all cloths without contact. A slice that diverged is taken again if
  * that is allowed; else it ends the step. */
-static void move(struct world *w, struct step *s)
+static void move_cloths(struct world *w, struct step *s)
 {
-    if (goes_on(s))
+    if (slice_continues(s))
         s->status = move_sheets(w, &s->r);
-    if (s->status == DRAPE_OK && w->plan.led)
-        lead_velocities(w);
+    if (s->status == DRAPE_OK && w->plan.prescribed)
+        prescribe_velocities(w);
     slice_charge(w, &s->r, DRAPE_PART_INTEGRATION, &s->last,
                  s->r.seconds[DRAPE_PART_SOLVER]);
     if (s->r.outcome & DRAPE_DIVERGED)
@@ -173,17 +175,17 @@ static void move(struct world *w, struct step *s)
 
 static void check_travel(struct world *w, struct step *s)
 {
-    if (goes_on(s) && w->plan.collides && !w->plan.solves)
+    if (slice_continues(s) && w->plan.collides && !w->plan.solves)
         s->status = collide_far(w, &s->r, &s->last, &s->again);
 }
 
-/* §3.3: positions were in range before. If one no longer is, contact led it
- * beyond, and the slice has diverged. */
+/* §3.3: positions were in range before. If one no longer is, contact brought
+ * it beyond, and the slice has diverged. */
 static void handle_contact(struct world *w, struct step *s)
 {
-    if (!goes_on(s) || !w->plan.collides || w->sleep->roused)
+    if (!slice_continues(s) || !w->plan.collides || w->sleep->woken)
         return;
-    s->status = collide(w, &s->r, &s->last);
+    s->status = collide_slice(w, &s->r, &s->last);
     if (s->status == DRAPE_EDATA) {
         s->status = DRAPE_OK;
         s->r.outcome |= DRAPE_DIVERGED;
@@ -192,20 +194,20 @@ static void handle_contact(struct world *w, struct step *s)
         s->again = slice_diverged(w);
 }
 
-/* §6: what comes near a cloth that is asleep wakes it, and the slice is taken
- * again. */
-static void rouse(struct world *w, struct step *s)
+/* §6: a moving body near a cloth that is asleep wakes the cloth, and the slice
+ * is taken again. */
+static void wake_disturbed(struct world *w, struct step *s)
 {
-    if (s->status != DRAPE_OK || !w->sleep->roused)
+    if (s->status != DRAPE_OK || !w->sleep->woken)
         return;
-    s->status = sleep_end(w);
+    s->status = sleep_wake_disturbed(w);
     s->again = true;
 }
 
 /* §3.4: in empty space nothing but gravity changes momentum. */
-static void conserve(struct world *w, struct step *s)
+static void conserve_slice(struct world *w, struct step *s)
 {
-    if (goes_on(s))
+    if (slice_continues(s))
         s->status = conserve_momentum(w, s->r.outcome);
 }
 
@@ -213,11 +215,11 @@ static void conserve(struct world *w, struct step *s)
  * dynamics computed are used if contact did not change the state; if contact
  * may have changed it they are computed again, but only if somebody reads them.
  */
-static void check(struct world *w, struct step *s)
+static void check_slice(struct world *w, struct step *s)
 {
     double after[3] = {0};
     bool anew = w->met && w->reported;
-    if (!goes_on(s))
+    if (!slice_continues(s))
         return;
     for (int k = 0; k < w->def.n_cloths; k++) {
         const struct dynamics *d = &w->sheet[k].dynamics;
@@ -231,6 +233,9 @@ static void check(struct world *w, struct step *s)
     s->again = w->plan.collides && slice_wrong(w, s->r.outcome);
 }
 
+/* Stores the motion of n particles from `first` on as the past of the next
+ * slice (implicit.md §4). Where contacts struck, the past gets the velocities
+ * of lagrange.md §5. */
 static void remember_run(struct world *w, int64_t first, int64_t n)
 {
     bool collides = w->plan.collides, struck = w->lagrange.struck;
@@ -250,7 +255,7 @@ static void remember_run(struct world *w, int64_t first, int64_t n)
     w->run->history(w->on, &h);
 }
 
-static void remember(struct world *w)
+static void remember_state(struct world *w)
 {
     sleep_runs(w, remember_run);
     w->run->trace(w->on, w->tracing, "history", w->past_v,
@@ -259,11 +264,11 @@ static void remember(struct world *w)
 }
 
 /* §4: makes the end of the slice the state. */
-static void commit(struct world *w, int outcome)
+static void commit_slice(struct world *w, int outcome)
 {
     if (w->plan.history)
-        remember(w);
-    w->near = state_nearness(&w->response);
+        remember_state(w);
+    w->nearness = state_nearness(&w->response);
     lagrange_commit(w);
     for (int k = 0; k < w->def.n_cloths; k++) {
         if (!sleep_awake(w, k))
@@ -283,21 +288,22 @@ static void commit(struct world *w, int outcome)
 /* Ends a slice: adds its report to the step's and commits it, unless it is
  * taken again or failed. If the step may still fail after its first slice, the
  * start of the step is kept before that slice is committed. */
-static void finish(struct world *w, struct step *s)
+static void finish_slice(struct world *w, struct step *s)
 {
     bool doubt = ending_doubtful(w, s->r.outcome);
     slice_report(s->all, &s->r, !s->again);
-    if (goes_on(s) && w->slicing.done == 0 && (w->slicing.level > 0 || doubt))
+    if (slice_continues(s) && w->slicing.done == 0 &&
+        (w->slicing.level > 0 || doubt))
         s->status = restore_save(w);
-    if (goes_on(s))
-        commit(w, s->r.outcome);
+    if (slice_continues(s))
+        commit_slice(w, s->r.outcome);
 }
 
 /* Ends a step: counts intersecting pairs where that is needed (§11), restores
  * the start of the step if the step failed, and completes the report. The
  * energies of a step that failed or is asleep are those of the state it keeps.
  */
-static int end(struct world *w, struct step *s)
+static int end_step(struct world *w, struct step *s)
 {
     drape_step_report *r = s->all;
     double energy[3] = {0};
@@ -315,7 +321,7 @@ static int end(struct world *w, struct step *s)
         return s->status;
     w->intersecting = found;
     if (diverged)
-        r->outcome &= ~DRAPE_TRAPPED; /* what the response met is undone */
+        r->outcome &= ~DRAPE_TRAPPED; /* the response's step is undone */
     ending_tell(w, r);
     w->step += !failed;
     w->time = (double)w->step * w->def.dt;
@@ -340,18 +346,18 @@ int step_advance(struct world *w, drape_step_report *report)
      * in the middle of this step. */
     if (!w->device)
         threads_begin(&threads, w->nv < SMALL_SCENE ? 1 : w->def.threads);
-    begin(w, &s); /* §6: sleep */
+    begin_step(w, &s); /* §6: sleep */
     while (has_slice_left(w, &s)) {
-        place(w, &s);          /* §1: kinematics.md */
-        move(w, &s);           /* §2: wind.md … dynamics.md, pcg.md */
-        check_travel(w, &s);   /* §7.2: travel.md */
-        handle_contact(w, &s); /* §3: refit.md … response.md */
-        rouse(w, &s);          /* §6: sleep.md */
-        conserve(w, &s);       /* §3.4: momentum.md */
-        check(w, &s);          /* §7.3: energy.md */
-        finish(w, &s);         /* step.md §4, §6, §7.4: implicit.md */
+        place_prescribed(w, &s); /* §1: kinematics.md */
+        move_cloths(w, &s);      /* §2: wind.md … dynamics.md, pcg.md */
+        check_travel(w, &s);     /* §7.2: travel.md */
+        handle_contact(w, &s);   /* §3: refit.md … response.md */
+        wake_disturbed(w, &s);   /* §6: sleep.md */
+        conserve_slice(w, &s);   /* §3.4: momentum.md */
+        check_slice(w, &s);      /* §7.3: energy.md */
+        finish_slice(w, &s);     /* step.md §4, §6, §7.4: implicit.md */
     }
-    int status = end(w, &s); /* step.md §11: audit.md */
+    int status = end_step(w, &s); /* step.md §11: audit.md */
     if (!w->device)
         threads_end(&threads);
     return status;

@@ -1,37 +1,43 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Makes a world of one precision from a checked definition, and serves the
- * API's questions about its state. */
-#include "ref/api/ops.h"
-#include "ref/control/air.h"
-#include "ref/control/control.h"
-#include "ref/control/heir.h"
-#include "ref/control/list.h"
+/* Makes a world of one precision from a checked definition, and reads its
+ * state. */
+#include "ref/base/change.h"
 #include "ref/sleep/sleep.h"
+#include "ref/world/air.h"
 #include "ref/world/checkpoint.h"
+#include "ref/world/connect.h"
 #include "ref/world/fill.h"
 #include "ref/world/start.h"
 #include "ref/world/state.h"
-#include "ref/world/step.h"
-#include "ref/world/wire.h"
 
-/* The hashes of the bodies; those of an heir are known but for a new body. */
+/* The hashes of the bodies; those of an edited world are known but for a new
+ * body. */
 static int make_prints(struct world *w, const drape_def *def,
-                       const struct heir *heir)
+                       const struct edited *edited)
 {
     int bodies = def->n_cloths + def->n_obstacles;
     w->print = arena_take(w->arena, ARENA_OTHER, bodies, sizeof *w->print);
     if (!w->print)
         return DRAPE_ENOMEM;
-    for (int k = 0; k < bodies && heir; k++)
-        if (heir->from[k] >= 0)
-            w->print[k] = heir->old->print[heir->from[k]];
+    for (int k = 0; k < bodies && edited; k++)
+        if (edited->from[k] >= 0)
+            w->print[k] = edited->old->print[edited->from[k]];
     w->fingerprint = checkpoint_fingerprint(def, w->print);
     return DRAPE_OK;
 }
 
-int world_make_heir(const drape_def *def, const struct heir *heir,
-                    struct arena *arena, struct world **world,
-                    drape_error *error)
+/* Gives the cloths that stay the sizes by which the old world's tree was made.
+ */
+static void keep_sizes(struct world *w, const struct edited *edited)
+{
+    for (int k = 0; k < w->def.n_cloths; k++)
+        if (edited->from[k] >= 0)
+            w->sheet[k].size = edited->old->sheet[edited->from[k]].size;
+}
+
+int world_make_edited(const drape_def *def, const struct edited *edited,
+                      struct arena *arena, struct world **world,
+                      drape_error *error)
 {
     struct world *w = arena_take(arena, ARENA_OTHER, 1, sizeof *w);
     if (!w)
@@ -54,27 +60,27 @@ int world_make_heir(const drape_def *def, const struct heir *heir,
     w->posed = w->pose;
     if (arena->failed)
         return DRAPE_ENOMEM;
-    int status = make_prints(w, def, heir);
+    int status = make_prints(w, def, edited);
     if (status == DRAPE_OK)
         status = sleep_make(w);
     if (status == DRAPE_OK)
         status = fill_sizes(w, def, error);
     if (status == DRAPE_OK)
         status = fill_streams(w, def, error);
-    if (status == DRAPE_OK && heir)
-        heir_sizes(w, heir);
+    if (status == DRAPE_OK && edited)
+        keep_sizes(w, edited);
     else if (status == DRAPE_OK && w->plan.collides)
         status = start_audit(w, error);
     if (status == DRAPE_OK)
-        status = wire_stages(w, def);
+        status = connect_stages(w, def);
     if (status == DRAPE_OK)
         status = start_substeps(w, error);
     if (status == DRAPE_OK && w->plan.wind && def->backend == DRAPE_REF)
         status = air_take(w);
     if (status == DRAPE_OK)
         air_set(w, &def->wind);
-    w->told.planned = w->plan.led;
-    w->told.able = w->broad.apart.able;
+    w->targets.planned = w->plan.prescribed;
+    w->targets.able = w->broad.apart.able;
     *world = w;
     return status;
 }
@@ -82,7 +88,7 @@ int world_make_heir(const drape_def *def, const struct heir *heir,
 int world_make(const drape_def *def, struct arena *arena, struct world **world,
                drape_error *error)
 {
-    return world_make_heir(def, NULL, arena, world, error);
+    return world_make_edited(def, NULL, arena, world, error);
 }
 
 static void copy_out(double (*out)[3], const vec *a, int64_t n)
@@ -101,37 +107,7 @@ int world_read(const struct world *w, double (*x)[3], double (*v)[3])
     return DRAPE_OK;
 }
 
-static int borrow(struct world *w, drape_view *view)
-{
-    view->x = w->x0;
-    view->v = w->v0;
-    view->tri = (const int32_t(*)[3])w->tri;
-    view->device = -1;
-    view->stream = NULL;
-    return DRAPE_OK;
-}
-
 void world_read_triangles(const struct world *w, int32_t (*tri)[3])
 {
     memcpy(tri, w->tri, (size_t)w->nt * sizeof *tri);
 }
-
-const struct world_ops world_ops = {.make = world_make,
-                                    .step = step_advance,
-                                    .read = world_read,
-                                    .read_triangles = world_read_triangles,
-                                    .clock = state_clock,
-                                    .material = state_material,
-                                    .wind = state_wind,
-                                    .gravity = state_gravity,
-                                    .first_vertex = state_first_vertex,
-                                    .first_triangle = state_first_triangle,
-                                    .wake = sleep_wake,
-                                    .set_wind = control_wind,
-                                    .control = CONTROL_OPS,
-                                    .heir = HEIR_OPS(world_make_heir),
-                                    .contacts = list_contacts,
-                                    .plan = plan_rows,
-                                    .save = checkpoint_save,
-                                    .load = checkpoint_load,
-                                    .borrow = borrow};

@@ -7,9 +7,9 @@
 #include <unistd.h>
 
 #include "gpu/run/gpu.h"
-#include "ref/base/stages.h"
 #include "tests/api/guest.h"
 #include "tests/base/modes.h"
+#include "tests/base/stages.h"
 #include "tests/world/scene.h"
 
 enum { STEPS = 3, PATIENCE = 120 };

@@ -4,7 +4,7 @@
 #include "tests/base/harness.h"
 
 #include "gpu/run/gpu.h"
-#include "ref/base/stages.h"
+#include "tests/base/stages.h"
 
 #define STAGE(room, file, X, rule)                                             \
     static int ref_call_##X(void *s)                                           \

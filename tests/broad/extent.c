@@ -6,7 +6,7 @@
 
 const struct field fields_extent[] = {
     IN(extent, grid, n_grid, 1), IN(extent, x0, nv, 1), IN(extent, x1, nv, 1),
-    OUT(extent, whole, n_grid, 1), FIELD_END};
+    OUT(extent, bounds, n_grid, 1), FIELD_END};
 
 void gen_extent(struct bytes *b, struct extent *s)
 {
@@ -39,7 +39,8 @@ static void meet(vec a, vec lo, vec hi, int *met)
 
 /* Checks §1 for one grid at one end of the step. */
 static const char *check(const struct tree_grid *g, const vec *x,
-                         const struct whole *w, vec lo, vec hi, int met[3])
+                         const struct mesh_bounds *w, vec lo, vec hi,
+                         int met[3])
 {
     for (int32_t j = 0; j < g->n; j++)
         for (int32_t i = 0; i < g->m; i++) {
@@ -65,7 +66,7 @@ static const char *check(const struct tree_grid *g, const vec *x,
 const char *prop_extent(const struct extent *s)
 {
     for (int64_t k = 0; k < s->n_grid; k++) {
-        const struct whole *w = &s->whole[k];
+        const struct mesh_bounds *w = &s->bounds[k];
         int met[3] = {0};
         const char *failed =
             check(&s->grid[k], s->x0, w, w->box.lo0, w->box.hi0, met);
@@ -100,7 +101,7 @@ static const char *compare(const struct fabric *f, struct broad *b, real r,
                            int told[2])
 {
     bool apart;
-    EXPECT(broad_whole_apart(b, f->x0, f->x1, r, &apart) == DRAPE_OK);
+    EXPECT(broad_meshes_apart(b, f->x0, f->x1, r, &apart) == DRAPE_OK);
     EXPECT(!apart || (b->n == 0 && b->n_both == 0 && b->queries == 1));
     EXPECT(broad_query(b, f->x0, f->x1, r, NULL) == DRAPE_OK);
     EXPECT(!apart || (b->n == 0 && b->n_both == 0));
@@ -126,7 +127,7 @@ const char *test_broad_ask(void)
         f.x1[k % 64].z = R(NAN);
         bool apart;
         if (!failed && still && b.apart.able &&
-            broad_whole_apart(&b, f.x0, f.x1, 0, &apart) != DRAPE_EDATA)
+            broad_meshes_apart(&b, f.x0, f.x1, 0, &apart) != DRAPE_EDATA)
             failed = "§1: a NaN was not met";
         fabric_free(&f);
     }

@@ -6,12 +6,16 @@
 #include "tests/cloth/sheet.h"
 #include "tests/solve/system.h"
 
-const struct field fields_blocks[] = {
-    IN(blocks, law, laws, 1),        IN(blocks, piece, pieces, 1),
-    IN(blocks, springs, count, 1),   IN(blocks, triple, triples, 1),
-    IN(blocks, beside, n_beside, 1), IN(blocks, x, count, 1),
-    IN(blocks, q, n_q, 1),           OUT(blocks, block, count, SPRINGS),
-    OUT(blocks, thin, n_thin, 1),    FIELD_END};
+const struct field fields_blocks[] = {IN(blocks, law, laws, 1),
+                                      IN(blocks, piece, pieces, 1),
+                                      IN(blocks, springs, count, 1),
+                                      IN(blocks, triple, triples, 1),
+                                      IN(blocks, beside, n_beside, 1),
+                                      IN(blocks, x, count, 1),
+                                      IN(blocks, q, n_q, 1),
+                                      OUT(blocks, block, count, SPRINGS),
+                                      OUT(blocks, packed, n_packed, 1),
+                                      FIELD_END};
 
 void gen_blocks(struct bytes *b, struct blocks *s)
 {
@@ -21,18 +25,19 @@ void gen_blocks(struct bytes *b, struct blocks *s)
     GIVE_GRID(s, &g);
     s->x = pick_state(b, &g);
     s->tau = pick_uniform(b, R(1e-4), R(0.05));
-    s->n_thin = pick(b, 3) ? SPRINGS * g.count : 0;
+    s->n_packed = pick(b, 3) ? SPRINGS * g.count : 0;
     s->n_q = for_bench(b) || pick(b, 2) ? g.count : 0;
     s->q = pick_vecs(b, s->n_q, pick(b, 2) ? 1 : R(0.01));
 }
 
-/* §5: checks a thin block of c u uᵀ + b I, with d along u: entries to 2^-6 of c
+/* §5: checks a packed block of c u uᵀ + b I, with d along u: entries to 2^-6 of
+ * c
  * + |b|, b not less than it was, and at most 2^-26 of c leaks into directions
  * across u. error: of the entries of the block itself. */
-static const char *check_thin(struct thin t, double c, double b,
-                              const double d[3], double error)
+static const char *check_packed(struct packed t, double c, double b,
+                                const double d[3], double error)
 {
-    struct thin_parts a = thin_open(t);
+    struct packed_parts a = packed_open(t);
     double e[3] = {(double)a.e.x, (double)a.e.y, (double)a.e.z};
     double size = (double)a.size, all = (double)a.all;
     double square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
@@ -82,12 +87,12 @@ static void turn(const struct blocks *s, int64_t from, int64_t to,
 /* §1, §3 and §7: compares the block with share·(a u uᵀ + b (I - u uᵀ)) + 2τ²k I
  * in binary64. */
 static const char *check(const struct blocks *s, int o, int64_t from,
-                         const sym *block, const struct thin *thin)
+                         const sym *block, const struct packed *packed)
 {
     int64_t to = from + spring_step(s->m, o);
     vec p = s->x[from], q = s->x[to];
     const struct law *law = &s->law[o];
-    double share = s->triples ? (double)spring_share(o, s->beside[from]) : 1;
+    double share = s->triples ? (double)spring_fraction(o, s->beside[from]) : 1;
     double d[3] = {(double)q.x - (double)p.x, (double)q.y - (double)p.y,
                    (double)q.z - (double)p.z};
     double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
@@ -103,7 +108,8 @@ static const char *check(const struct blocks *s, int o, int64_t from,
     /* Near a kink of the law, rounding or the fit may put the length on its
      * other side. */
     double blur = 16 * REAL_U * (length + (double)law->rest);
-    double shift = 13 * LAW_ERROR * (double)law->bend / (double)law->press;
+    double shift =
+        13 * LAW_ERROR * (double)law->bend / (double)law->compression;
     bool kink = fabs(length - (double)law->rest) <= blur ||
                 fabs(length - (double)law->knee) <= blur + shift;
     for (int k = 0; k < law->pieces; k++)
@@ -124,12 +130,12 @@ static const char *check(const struct blocks *s, int o, int64_t from,
             double want = (a - b) * uu + (i == j ? b + bend : 0);
             EXPECT(fabs((double)entry[e] - want) <= error);
         }
-    return thin ? check_thin(*thin, a - b, b + bend, d, error) : NULL;
+    return packed ? check_packed(*packed, a - b, b + bend, d, error) : NULL;
 }
 
 /* §7: the block between the ends of the triple that starts at p. */
 static const char *check_ends(const struct blocks *s, int o, int64_t p,
-                              const sym *block, const struct thin *thin)
+                              const sym *block, const struct packed *packed)
 {
     int64_t at = p + spring_step(s->m, o);
     real k = triple_constant(s->triple, o, s->beside[at]);
@@ -138,7 +144,7 @@ static const char *check_ends(const struct blocks *s, int o, int64_t p,
     EXPECT(block->zz == want && block->xy == 0 && block->xz == 0 &&
            block->yz == 0);
     const double along[3] = {1, 0, 0};
-    return thin ? check_thin(*thin, 0, (double)want, along, 1e-35) : NULL;
+    return packed ? check_packed(*packed, 0, (double)want, along, 1e-35) : NULL;
 }
 
 /* §2: zᵀ B z ≥ 0, up to rounding, for all z of a small lattice. */
@@ -166,14 +172,14 @@ const char *prop_blocks(const struct blocks *s)
         const sym *block = &s->block[k];
         if (!(s->springs[p] >> o & 1)) {
             EXPECT(!memcmp(block, &zero, sizeof zero));
-            EXPECT(!s->n_thin || s->thin[k].both == 0);
+            EXPECT(!s->n_packed || s->packed[k].both == 0);
             continue;
         }
-        const struct thin *thin = s->n_thin ? &s->thin[k] : NULL;
+        const struct packed *packed = s->n_packed ? &s->packed[k] : NULL;
         bool ends = s->triples && o >= SPRINGS_SINGLE;
         const char *bad =
-            ends ? check_ends(s, (int)o - SPRINGS_SINGLE, p, block, thin)
-                 : check(s, (int)o, p, block, thin);
+            ends ? check_ends(s, (int)o - SPRINGS_SINGLE, p, block, packed)
+                 : check(s, (int)o, p, block, packed);
         if (!bad && !ends)
             bad = semidefinite(block);
         if (bad)
@@ -184,35 +190,35 @@ const char *prop_blocks(const struct blocks *s)
 
 /* §5: a c that is not positive counts as 0, as does a b that is NaN; one that
  * is too large as the largest; of equally long axes the first is chosen. */
-const char *test_thin_limits(void)
+const char *test_packed_limits(void)
 {
     const real nan = (real)NAN, inf = (real)INFINITY;
     const vec x = {1, 0, 0}, even = {R(0.5), R(0.5), R(-0.5)};
-    struct thin_parts a = thin_open(thin_make(2, 3, x));
+    struct packed_parts a = packed_open(packed_make(2, 3, x));
     EXPECT(a.size == 8 && a.all == 3);
     EXPECT(a.e.x == R(0.5) && a.e.y == 0 && a.e.z == 0);
-    a = thin_open(thin_make(1, 0, even));
+    a = packed_open(packed_make(1, 0, even));
     EXPECT(a.size == 1 && a.all == 0 && a.e.x == R(0.5) && a.e.z == R(-0.5));
     EXPECT(a.e.y == R(0.5) - R(0x1p-15)); /* +1/2 itself has no step */
-    a = thin_open(thin_make(-1, nan, x));
+    a = packed_open(packed_make(-1, nan, x));
     EXPECT(a.size == 0 && a.all == 0);
-    a = thin_open(thin_make(inf, inf, x));
+    a = packed_open(packed_make(inf, inf, x));
     EXPECT(a.size == R(0x1.fep127) && a.all == R(0x1.fep127));
-    a = thin_open(thin_make(1, 1, vec_make(nan, nan, nan)));
+    a = packed_open(packed_make(1, 1, vec_make(nan, nan, nan)));
     EXPECT(a.size == 0 && a.all == 1 && a.e.y == 0);
     /* c is cut off, b goes up, whatever its sign. */
-    a = thin_open(thin_make(R(0x1.01ffp0), R(0x1.01ffp0), x));
+    a = packed_open(packed_make(R(0x1.01ffp0), R(0x1.01ffp0), x));
     EXPECT(a.size == 4 * R(0x1.00p0) && a.all == R(0x1.02p0));
-    a = thin_open(thin_make(0, R(-0x1.01ffp0), x));
+    a = packed_open(packed_make(0, R(-0x1.01ffp0), x));
     EXPECT(a.size == 0 && a.all == R(-0x1.00p0));
-    a = thin_open(thin_make(0, -inf, x));
+    a = packed_open(packed_make(0, -inf, x));
     EXPECT(a.all == R(-0x1.fep127));
     for (int k = 0; k < 64; k++) {
         real b = R(1) + (real)k * R(0x1p-23), low = R(1) + R(0x1p-40);
-        EXPECT(thin_open(thin_make(0, b, x)).all >= b);
-        EXPECT(thin_open(thin_make(0, -b, x)).all >= -b);
-        EXPECT(thin_open(thin_make(0, low * b, x)).all >= low * b);
-        EXPECT(thin_open(thin_make(0, -low * b, x)).all >= -low * b);
+        EXPECT(packed_open(packed_make(0, b, x)).all >= b);
+        EXPECT(packed_open(packed_make(0, -b, x)).all >= -b);
+        EXPECT(packed_open(packed_make(0, low * b, x)).all >= low * b);
+        EXPECT(packed_open(packed_make(0, -low * b, x)).all >= -low * b);
     }
     ran(72);
     return NULL;

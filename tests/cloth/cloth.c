@@ -164,7 +164,7 @@ const char *test_cloth_material(void)
 /* §4 and §5: a cylinder of radius 1 / curvature has the energy bend·curvature²
  * / 2 per area, on any grid that is fine enough to resolve the cylinder and
  * coarse enough that springs buckle. The error is the energy of the knee,
- * `well`: a share of about 12·bend / press. */
+ * `well`: a share of about 12·bend / compression. */
 const char *test_cloth_bending(void)
 {
     const double curvature = 40, pi = 3.1415926535897932;
@@ -198,7 +198,8 @@ const char *test_cloth_bending(void)
  * whole range of lengths. */
 const char *test_cloth_arc(void)
 {
-    struct law a = {.k = 1, .press = 1e6, .rest = 1, .bend = 1, .stiff = 1e6};
+    struct law a = {
+        .k = 1, .compression = 1e6, .rest = 1, .bend = 1, .stiff = 1e6};
     law_set_knee(&a, true);
     law_set_limit(&a, 0);
     for (int k = 0; k < 20000; k++) {

@@ -220,8 +220,8 @@ const char *test_diverged(void)
     return NULL;
 }
 
-/* advance.md §1, implicit.md §3: led pins are exactly where they are told,
- * with the velocity of that, and the rest follows. */
+/* advance.md §1, implicit.md §3: prescribed pins are exactly where they are
+ * told, with the velocity of that, and the rest follows. */
 const char *test_moving_pins(void)
 {
     for (int m = 0; m < METHODS; m++) {
@@ -465,7 +465,7 @@ static void relax(const struct sheet *s, double *x)
                           sqrt(square);
             if (s->c.triples)
                 pull *= o < SPRINGS_SINGLE
-                            ? (double)spring_share((int)o, s->c.beside[p])
+                            ? (double)spring_fraction((int)o, s->c.beside[p])
                             : 0;
             for (int e = 0; e < 3; e++) {
                 f[3 * p + e] += pull * d[e];

@@ -55,7 +55,7 @@ static void add_spring(const struct energy *s, int o, int64_t p, int64_t q,
                        struct total *t)
 {
     const struct law *a = &s->law[o];
-    double share = s->triples ? (double)spring_share(o, s->beside[p]) : 1;
+    double share = s->triples ? (double)spring_fraction(o, s->beside[p]) : 1;
     double x = (double)s->x[q].x - (double)s->x[p].x;
     double y = (double)s->x[q].y - (double)s->x[p].y;
     double z = (double)s->x[q].z - (double)s->x[p].z;

@@ -43,7 +43,8 @@ const char *test_limits_law(void)
 {
     static const double limit[] = {0.01, 0.05, 0.3, 10};
     for (int k = 0; k < 4; k++) {
-        struct law a = {.k = 700, .press = 700, .rest = R(0.01), .stiff = 700};
+        struct law a = {
+            .k = 700, .compression = 700, .rest = R(0.01), .stiff = 700};
         law_set_limit(&a, limit[k]);
         double rest = (double)a.rest, to = rest * (1 + LIMIT_TO * limit[k]);
         double last = -1, steep = 0;

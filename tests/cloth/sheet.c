@@ -247,14 +247,15 @@ static double arc_force(double q)
 
 static bool is_buckled(const struct law *a, double length)
 {
-    double rest = (double)a->rest, line = (double)a->press * (length - rest);
+    double rest = (double)a->rest,
+           line = (double)a->compression * (length - rest);
     return a->knee > 0 && length < rest &&
            line < -(double)a->bend * arc_force(length / rest);
 }
 
 static double constant(const struct law *a, double length)
 {
-    return (double)(length < (double)a->rest ? a->press : a->k);
+    return (double)(length < (double)a->rest ? a->compression : a->k);
 }
 
 /* cloth.md §8: the law of a stiffened spring as polynomials of the pieces. */
@@ -328,7 +329,7 @@ double law_oracle_energy(const struct law *a, const struct piece *t,
         return straight(a, t, length).energy + more_of(a, length).energy;
     double knee = (double)a->knee, angle = half_angle(length / rest);
     double start = half_angle(knee / rest), e = knee - rest;
-    return (double)a->press * e * e / 2 +
+    return (double)a->compression * e * e / 2 +
            2 * (double)a->bend * rest * (angle * angle - start * start);
 }
 
@@ -337,7 +338,7 @@ static struct law pick_law(struct bytes *b, int o)
     struct law a = {.rest = pick_uniform(b, R(0.01), R(0.1))};
     a.k = pick_uniform(b, 1, 1000);
     a.damp = pick(b, 2) ? 0 : pick_uniform(b, 0, 1);
-    a.press = o < SPRINGS_SINGLE ? a.k : pick_uniform(b, 1, 3) * a.k;
+    a.compression = o < SPRINGS_SINGLE ? a.k : pick_uniform(b, 1, 3) * a.k;
     a.stiff = 3 * a.k;
     if (o < SPRINGS_SINGLE)
         return a;

@@ -127,13 +127,14 @@ static struct exact force_of(const struct springs *s, int64_t p)
     int64_t i = p % s->m, j = p / s->m;
     for (int o = 0; o < (s->triples ? SPRINGS_SINGLE : SPRINGS); o++) {
         int64_t di = spring_di[o], dj = spring_dj[o], step = di + dj * s->m;
-        double here = s->triples ? (double)spring_share(o, s->beside[p]) : 1;
+        double here = s->triples ? (double)spring_fraction(o, s->beside[p]) : 1;
         if (s->springs[p] >> o & 1)
             add_pull(s, &s->law[o], p, p + step, here, &e);
         if (i - di >= 0 && i - di < s->m && j >= dj &&
             s->springs[p - step] >> o & 1) {
-            double there =
-                s->triples ? (double)spring_share(o, s->beside[p - step]) : 1;
+            double there = s->triples
+                               ? (double)spring_fraction(o, s->beside[p - step])
+                               : 1;
             add_pull(s, &s->law[o], p, p - step, there, &e);
         }
         if (s->triples) {

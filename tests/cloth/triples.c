@@ -75,7 +75,7 @@ const char *test_triples_border(void)
             s.x[p] = vec_make((real)x[0], (real)x[1], (real)x[2]);
         }
         for (int o = 0; o < SPRINGS; o++)
-            s.c.law[o].k = s.c.law[o].press = 0;
+            s.c.law[o].k = s.c.law[o].compression = 0;
         sheet_energy(&s, s.x, s.v, energy);
         sheet_free(&s);
         double area = (d.width - h) * d.height;
@@ -128,7 +128,7 @@ const char *test_triples_plane(void)
 static void triple_rows(struct sheet *s, double *row)
 {
     for (int o = 0; o < SPRINGS; o++)
-        s->c.law[o].k = s->c.law[o].press = 0;
+        s->c.law[o].k = s->c.law[o].compression = 0;
     memset(s->x, 0, (size_t)s->c.count * sizeof *s->x);
     for (int64_t q = 0; q < s->c.count; q++) {
         s->x[q].y = 1;

@@ -10,8 +10,8 @@
 #include "tests/base/choices.h"
 
 const struct field fields_carry[] = {IN(carry, w, nv, 1),
-                                     IN(carry, skin.of, nv, 1),
-                                     IN(carry, skin.surface, skin.n, 1),
+                                     IN(carry, surfaces.of, nv, 1),
+                                     IN(carry, surfaces.surface, surfaces.n, 1),
                                      IN(carry, kept, n_kept, 1),
                                      INOUT(carry, contact, n, 1),
                                      FIELD_END};
@@ -70,7 +70,8 @@ static void pick_kept(struct bytes *b, struct carry *s)
     s->n_kept = found;
 }
 
-static void pick_skin(struct bytes *b, int64_t nv, struct skin *skin)
+static void pick_surfaces(struct bytes *b, int64_t nv,
+                          struct surfaces *surfaces)
 {
     uint16_t *of = take(b, nv, sizeof *of);
     struct surface *surface = take(b, 3, sizeof *surface);
@@ -79,7 +80,7 @@ static void pick_skin(struct bytes *b, int64_t nv, struct skin *skin)
     bool thick = pick(b, 2);
     for (int64_t i = 0; i < nv; i++)
         of[i] = (uint16_t)(thick ? pick(b, 3) : 2);
-    *skin = (struct skin){3, of, surface};
+    *surfaces = (struct surfaces){3, of, surface};
 }
 
 void gen_carry(struct bytes *b, struct carry *s)
@@ -93,11 +94,11 @@ void gen_carry(struct bytes *b, struct carry *s)
     s->dt = R(1.0) / (real)(30 << pick(b, 5));
     s->tau = pick(b, 2) ? s->dt : s->dt * R(2.0) / 3;
     s->stiffest = pick_uniform(b, R(0.01), 10);
-    pick_skin(b, s->nv, &s->skin);
-    bool led = pick(b, 16) == 0; /* all vertices are */
+    pick_surfaces(b, s->nv, &s->surfaces);
+    bool prescribed = pick(b, 16) == 0; /* all vertices are */
     real *w = take(b, s->nv, sizeof *w);
     for (int64_t i = 0; i < s->nv; i++)
-        w[i] = led ? 0 : c.w[i];
+        w[i] = prescribed ? 0 : c.w[i];
     s->w = w;
     for (int64_t k = 0; k < s->n; k++) {
         struct contact *at = &s->contact[k];
@@ -168,7 +169,8 @@ static const struct kept *find(const struct carry *s, const struct contact *c,
  * the thickness. */
 static const char *check_target(const struct carry *s, const struct contact *c)
 {
-    double overlap = (double)(skin_pair(&s->skin, c->v).thickness - c->gap);
+    double overlap =
+        (double)(surfaces_pair(&s->surfaces, c->v).thickness - c->gap);
     double way = overlap > 0 ? 0.1 * overlap : overlap;
     way /= (double)s->dt;
     EXPECT(fabs((double)c->target - way) <= 8 * unit * fabs(way));
@@ -198,7 +200,7 @@ static const char *check_taken(const struct carry *s, const struct contact *c)
 static const char *check_kappa(const struct carry *s, const struct contact *c)
 {
     double yield = 0, lambda = (double)c->lambda;
-    double thickness = (double)skin_pair(&s->skin, c->v).thickness;
+    double thickness = (double)surfaces_pair(&s->surfaces, c->v).thickness;
     for (int j = 0; j < 4; j++)
         yield += (double)c->c[j] * (double)c->c[j] * (double)s->w[c->v[j]];
     if (yield == 0) {
@@ -389,7 +391,7 @@ static const char *round_trip(struct bytes *b)
     real w[NV];
     struct retain r = {NV, N, w, u, v, R(0.5), was, kept};
     struct carry c = {.nv = NV, .n = N, .n_kept = N, .w = w};
-    pick_skin(b, NV, &c.skin);
+    pick_surfaces(b, NV, &c.surfaces);
     c.dt = c.tau = R(0.01);
     c.stiffest = 1;
     c.kept = kept;

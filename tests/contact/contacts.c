@@ -45,7 +45,7 @@ static void pick_contact(struct bytes *b, int64_t nv, struct contact *c)
     c->target = pick(b, 2) ? 0 : pick_uniform(b, -1, 1);
     c->friction = pick(b, 3) ? R(0.25) * (real)pick(b, 4) : 10;
     c->impulse = pick(b, 2) ? pick_uniform(b, 0, R(0.1)) : 0;
-    c->slide = pick(b, 2) ? pick_uniform(b, 0, R(0.01)) : 0;
+    c->stiffness_t = pick(b, 2) ? pick_uniform(b, 0, R(0.01)) : 0;
 }
 
 void gen_contacts(struct bytes *b, struct contacts *s)
@@ -272,7 +272,7 @@ static int meet(struct bytes *b, struct contacts *s, const vec *x)
                           .dt = R(0.01),
                           .stiffness = pick(b, 2) ? 0 : 1,
                           .cap = s->n};
-    p.skin = (struct skin){1, take(b, s->nv, 2), &surface};
+    p.surfaces = (struct surfaces){1, take(b, s->nv, 2), &surface};
     p.at = take(b, s->n, sizeof *p.at);
     p.contact = take(b, s->n, sizeof *p.contact);
     s->contact = p.contact;
@@ -327,8 +327,9 @@ const char *test_contacts_conserve(void)
 }
 
 /* §3: contacts at rest do not split a vertex. One vertex has 40 contacts with a
- * led face and violates one of them: the impulse is the same as if that contact
- * were alone. Another vertex has a contact at rest and keeps its bits. */
+ * prescribed face and violates one of them: the impulse is the same as if that
+ * contact were alone. Another vertex has a contact at rest and keeps its bits.
+ */
 const char *test_contacts_rest(void)
 {
     enum { N = 41, NV = 5 };
@@ -378,9 +379,9 @@ const char *test_contacts_rest(void)
     return NULL;
 }
 
-/* A column of COLUMN vertices falls on a led vertex. Returns the sum of the
- * lacks of its contacts after `calls` calls of `iterations` iterations each,
- * m/s; every call but the first is warm. */
+/* A column of COLUMN vertices falls on a prescribed vertex. Returns the sum of
+ * the lacks of its contacts after `calls` calls of `iterations` iterations
+ * each, m/s; every call but the first is warm. */
 static double fall_column(struct bytes *b, int calls, int iterations)
 {
     enum { COLUMN = 20 };

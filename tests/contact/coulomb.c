@@ -16,8 +16,8 @@ const struct field fields_coulomb[] = {
     INOUT(coulomb, start, nv1, 1),   INOUT(coulomb, item, n4, 1),
     SCRATCH(coulomb, vertex, n4, 1), SCRATCH(coulomb, next, n, 1),
     OUT(coulomb, force, nv, 1),      OUT(coulomb, inner, nc, 1),
-    OUT(coulomb, outer, nc, 1),      OUT(coulomb, wall, nv, 1),
-    OUT(coulomb, hold, nv, 1),       FIELD_END};
+    OUT(coulomb, outer, nc, 1),      OUT(coulomb, single, nv, 1),
+    OUT(coulomb, bound, nv, 1),      FIELD_END};
 
 const struct field fields_links[] = {IN(links, contact, n, 1),
                                      IN(links, x, nv, 1),
@@ -72,8 +72,8 @@ static void pick_state(struct bytes *b, struct coulomb *s, struct contact *c)
     c->impulse = presses ? pick_uniform(b, 0, 2 * pushes) : 0;
     c->tangent = pick_across(b, c->n, c->friction * c->load);
     c->target *= pick(b, 8) ? 1 : R(1e6);
-    c->held = (int32_t)pick(b, 3); /* of the call before */
-    c->along = c->slide = pick_uniform(b, 0, 1);
+    c->coupling = (int32_t)pick(b, 3); /* of the call before */
+    c->stiffness_n = c->stiffness_t = pick_uniform(b, 0, 1);
     c->way = pick_vec(b, 1);
     if (s->stiffest < c->kappa && pick(b, 2))
         c->kappa = s->stiffest;
@@ -109,11 +109,11 @@ void gen_coulomb(struct bytes *b, struct coulomb *s)
     s->renews = (int)pick(b, 2);
     s->closes = pick(b, 4) == 0;
     s->lists = (int)pick(b, 2);
-    bool led = pick(b, 16) == 0; /* all vertices are */
+    bool prescribed = pick(b, 16) == 0; /* all vertices are */
     real *w = take(b, s->nv, sizeof *w);
     vec *u = take(b, s->nv, sizeof *u), *rest = take(b, s->nc, sizeof *rest);
     for (int64_t i = 0; i < s->nv; i++) {
-        w[i] = led ? 0 : c.w[i];
+        w[i] = prescribed ? 0 : c.w[i];
         u[i] = pick(b, 64) ? vec_scale(R(0.1), c.u[i]) : pick_vec(b, R(1e8));
         if (i < s->nc && w[i] > 0)
             rest[i] = pick_vec(b, R(0.1));
@@ -153,11 +153,11 @@ void gen_links(struct bytes *b, struct links *s)
     s->contact = c.contact;
     for (int64_t k = 0; k < s->n; k++) {
         struct contact *at = &c.contact[k];
-        at->held = (int32_t)pick(b, 3);
-        at->along = pick(b, 8) ? pick_uniform(b, R(1e-4), 1) : 0;
+        at->coupling = (int32_t)pick(b, 3);
+        at->stiffness_n = pick(b, 8) ? pick_uniform(b, R(1e-4), 1) : 0;
         at->way = pick(b, 2) ? pick_way(b, at->n) : vec_make(0, 0, 0);
     }
-    bool all = pick(b, 2); /* no vertex is led */
+    bool all = pick(b, 2); /* no vertex is prescribed */
     real *w = take(b, s->nv, sizeof *w);
     vec *x = take(b, s->nv, sizeof *x);
     s->y = take(b, s->nv, sizeof *s->y);
@@ -277,12 +277,12 @@ static const char *check_matrix(const struct coulomb *s,
 {
     double kappa = (double)c->kappa, most = (double)(c->friction * c->load);
     double along = c->impulse > 0 ? kappa / yield_of(s, c) : 0;
-    EXPECT(fabs((double)c->along - along) <= 4 * unit * along + least);
-    EXPECT(c->slide >= 0 && c->slide <= c->kappa);
-    EXPECT(most > 0 || c->slide == 0);
+    EXPECT(fabs((double)c->stiffness_n - along) <= 4 * unit * along + least);
+    EXPECT(c->stiffness_t >= 0 && c->stiffness_t <= c->kappa);
+    EXPECT(most > 0 || c->stiffness_t == 0);
     double way = (double)vec_length(c->way);
     if (way == 0) { /* it sticks, or has no friction */
-        EXPECT(c->slide == (most > 0 ? c->kappa : 0));
+        EXPECT(c->stiffness_t == (most > 0 ? c->kappa : 0));
     } else {
         double size = (double)vec_length(c->tangent);
         EXPECT(fabs(way - 1) <= 8 * unit || drag_of(s, c) <= short_);
@@ -291,10 +291,10 @@ static const char *check_matrix(const struct coulomb *s,
             length(wide_axpy(wide_of(c->tangent), -size, wide_of(c->way)));
         EXPECT(off <= 16 * unit * most + short_);
     }
-    bool acts = c->along > 0 || c->slide > 0;
-    EXPECT(c->held == (!acts               ? CONTACT_APART
-                       : moving(s, c) == 1 ? CONTACT_WALL
-                                           : CONTACT_MUTUAL));
+    bool acts = c->stiffness_n > 0 || c->stiffness_t > 0;
+    EXPECT(c->coupling == (!acts               ? CONTACT_APART
+                           : moving(s, c) == 1 ? CONTACT_SINGLE
+                                               : CONTACT_MUTUAL));
     return NULL;
 }
 
@@ -357,17 +357,18 @@ static const char *check_residual(const struct coulomb *s)
 }
 
 /* §3.2: x·block·x minus x·(contacts' own matrix)·x for one arbitrary vector x
- * that is 0 where vertices are led. Of all contacts and hold, or of walls and
- * wall. Rounding scales with *size. */
+ * that is 0 where vertices are prescribed. Of all contacts and hold, or of
+ * walls and wall. Rounding scales with *size. */
 static double slack(const struct coulomb *s, bool walls, double *size)
 {
-    const sym *block = walls ? s->wall : s->hold;
+    const sym *block = walls ? s->single : s->bound;
     double own = 0, sums = 0;
     *size = 0;
     for (int64_t k = 0; k < s->n; k++) {
         const struct contact *c = &s->contact[k];
         struct wide sum = {0, 0, 0}, n = wide_of(c->n), z = wide_of(c->way);
-        if (c->held == CONTACT_APART || (walls && c->held != CONTACT_WALL))
+        if (c->coupling == CONTACT_APART ||
+            (walls && c->coupling != CONTACT_SINGLE))
             continue;
         for (int j = 0; j < 4; j++) {
             int32_t i = c->v[j];
@@ -376,9 +377,9 @@ static double slack(const struct coulomb *s, bool walls, double *size)
                 sum = wide_axpy(sum, (double)c->c[j], x);
         }
         double along = wide_dot(n, sum), way = wide_dot(z, sum);
-        own += (double)c->along * along * along;
-        own +=
-            (double)c->slide * (wide_dot(sum, sum) - along * along - way * way);
+        own += (double)c->stiffness_n * along * along;
+        own += (double)c->stiffness_t *
+               (wide_dot(sum, sum) - along * along - way * way);
     }
     for (int64_t i = 0; i < s->nv; i++) {
         vec x =
@@ -386,7 +387,7 @@ static double slack(const struct coulomb *s, bool walls, double *size)
         struct wide a = wide_of(x), b = wide_of(sym_apply(block[i], x));
         sums += wide_dot(a, b);
         *size += wide_dot(a, a) *
-                 (double)(s->hold[i].xx + s->hold[i].yy + s->hold[i].zz);
+                 (double)(s->bound[i].xx + s->bound[i].yy + s->bound[i].zz);
     }
     return sums - own;
 }
@@ -397,7 +398,7 @@ static struct contact *copy_of(const struct coulomb *s, struct coulomb *copy)
 {
     size_t n = (size_t)s->n + 1, nv = (size_t)s->nv + 1;
     size_t bytes = n * (sizeof *s->contact + sizeof *s->next) +
-                   nv * (3 * sizeof *s->force + 2 * sizeof *s->hold);
+                   nv * (3 * sizeof *s->force + 2 * sizeof *s->bound);
     *copy = *s;
     copy->contact = calloc(1, bytes);
     if (!copy->contact)
@@ -406,8 +407,8 @@ static struct contact *copy_of(const struct coulomb *s, struct coulomb *copy)
     copy->force = copy->next + n;
     copy->inner = copy->force + nv;
     copy->outer = copy->inner + nv;
-    copy->wall = (sym *)(void *)(copy->outer + nv);
-    copy->hold = copy->wall + nv;
+    copy->single = (sym *)(void *)(copy->outer + nv);
+    copy->bound = copy->single + nv;
     if (s->n > 0)
         memcpy(copy->contact, s->contact, (size_t)s->n * sizeof *copy->contact);
     copy->renews = copy->lists = 0;
@@ -538,7 +539,7 @@ static void add_blocks(const struct links *s, const struct contact *c,
                        struct wide *sum, double *size)
 {
     struct wide n = wide_of(c->n), z = wide_of(c->way);
-    double a = (double)c->along, b = (double)c->slide;
+    double a = (double)c->stiffness_n, b = (double)c->stiffness_t;
     for (int j = 0; j < 4; j++)
         for (int k = 0; k < 4; k++) {
             struct wide x = wide_of(s->x[c->v[k]]);
@@ -564,7 +565,7 @@ static const char *check_links(const struct links *s, struct wide *sum,
     struct wide total = {0, 0, 0};
     int64_t items = 0;
     for (int64_t k = 0; k < s->n; k++) {
-        if (s->contact[k].held == CONTACT_MUTUAL)
+        if (s->contact[k].coupling == CONTACT_MUTUAL)
             add_blocks(s, &s->contact[k], sum, size);
         for (int j = 0; j < 4; j++)
             items += s->contact[k].c[j] != 0;
@@ -575,7 +576,7 @@ static const char *check_links(const struct links *s, struct wide *sum,
         struct wide old = wide_of(before_links(i)), gain = wide_sub(y, old);
         double part = fabs(old.x) + fabs(old.y) + fabs(old.z) + size[i];
         double bound = 2 * (d + 22) * (unit * part + least);
-        if (d == 0) { /* a led vertex, or one without contact */
+        if (d == 0) { /* a prescribed vertex, or one without contact */
             EXPECT(y.x == old.x && y.y == old.y && y.z == old.z);
             continue;
         }
@@ -588,7 +589,7 @@ static const char *check_links(const struct links *s, struct wide *sum,
         all += 2 * bound;
     }
     EXPECT(energy >= -error);
-    /* momentum, where no corner is led */
+    /* momentum, where no corner is prescribed */
     EXPECT(items != s->start[s->nv] || length(total) <= all);
     return NULL;
 }

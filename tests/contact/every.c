@@ -125,7 +125,7 @@ static void find_lack(struct every *e)
     }
 }
 
-/* The target of contact k less the speed of its led vertices. */
+/* The target of contact k less the speed of its prescribed vertices. */
 static double free_target(const struct every *e, int64_t k)
 {
     const struct contact *c = &e->contact[k];
@@ -320,9 +320,9 @@ const char *test_contacts_every(void)
     return NULL;
 }
 
-/* A column falls on a led vertex, below a lid. Only the overshoot of momentum
- * reaches the lid, whose many contacts then act all at once while momentum is
- * large: this makes an iteration void. */
+/* A column falls on a prescribed vertex, below a lid. Only the overshoot of
+ * momentum reaches the lid, whose many contacts then act all at once while
+ * momentum is large: this makes an iteration void. */
 static void make_column(struct bytes *b, struct contacts *s)
 {
     enum { COLUMN = 8, LID = 200 };

@@ -18,7 +18,7 @@ const struct field fields_impacts[] = {
     OUT_USED(impacts, hit_toi, cap, 1, found),
     OUT_VALUE(impacts, found),
     OUT_VALUE(impacts, started),
-    OUT_VALUE(impacts, led),
+    OUT_VALUE(impacts, prescribed),
     FIELD_END};
 
 void gen_impacts(struct bytes *b, struct impacts *s)
@@ -68,7 +68,7 @@ static bool starts(const struct impacts *s, int64_t k)
 
 const char *prop_impacts(const struct impacts *s)
 {
-    int64_t at = 0, touching = 0, started = 0, led = 0;
+    int64_t at = 0, touching = 0, started = 0, prescribed = 0;
     for (int64_t k = 0; k < s->n; k++) {
         const int32_t *v = s->pair + 4 * k;
         if (s->toi[k] == NARROW_MISS)
@@ -84,9 +84,11 @@ const char *prop_impacts(const struct impacts *s)
         EXPECT(kept == (w > 0 && !first)); /* §1 */
         at += kept;
         started += first;
-        led += w == 0;
+        prescribed += w == 0;
     }
-    EXPECT(at == s->found && s->started == started && s->led == led);
-    EXPECT(s->found + s->started + s->led == touching); /* §1: none is lost */
+    EXPECT(at == s->found && s->started == started &&
+           s->prescribed == prescribed);
+    EXPECT(s->found + s->started + s->prescribed ==
+           touching); /* §1: none is lost */
     return NULL;
 }

@@ -12,10 +12,10 @@ const struct field fields_impulses[] = {
     IN(impulses, w, nv, 1),
     IN(impulses, x0, nv, 1),
     IN(impulses, x1, nv, 1),
-    IN(impulses, skin.of, nv, 1),
-    IN(impulses, skin.surface, skin.n, 1),
-    IN(impulses, fan.start, fan.n_start, 1),
-    IN(impulses, fan.rim, fan.n_rim, 1),
+    IN(impulses, surfaces.of, nv, 1),
+    IN(impulses, surfaces.surface, surfaces.n, 1),
+    IN(impulses, one_rings.start, one_rings.n_start, 1),
+    IN(impulses, one_rings.opposite, one_rings.n_opposite, 1),
     IN(impulses, active, n_active, 1),
     SCRATCH(impulses, key, n_all, 1),
     SCRATCH(impulses, spare, n_all, 1),
@@ -54,7 +54,7 @@ void gen_impulses(struct bytes *b, struct impulses *s)
     s->n_active = pick(b, 2) ? s->n / 2 : 0;
     s->n_all = s->n + s->n_active;
     s->nv = for_bench(b) ? s->n : 6 + pick(b, 30);
-    s->skin.n = 1;
+    s->surfaces.n = 1;
     s->dt = R(1.0) / 60;
     s->margin = R(0.25);
     int32_t *pair = take(b, 4 * s->n, sizeof *pair);
@@ -80,10 +80,10 @@ void gen_impulses(struct bytes *b, struct impulses *s)
     s->w = w;
     s->x0 = x0;
     s->x1 = x1;
-    s->skin.of = take(b, s->nv, sizeof *s->skin.of);
-    s->skin.surface = surface;
+    s->surfaces.of = take(b, s->nv, sizeof *s->surfaces.of);
+    s->surfaces.surface = surface;
     s->active = pick_active(b, s);
-    s->fan = pick_fan(b, s->nv, s->n, pair);
+    s->one_rings = pick_one_rings(b, s->nv, s->n, pair);
     s->cap = pick(b, 8) ? s->n_all : s->n_all / 8;
 }
 
@@ -133,8 +133,8 @@ static const char *check_new(const struct impulses *s, const struct contact *c)
     EXPECT(sum == 0);
     EXPECT(real_abs(vec_length(c->n) - 1) < R(0x1p-20));
     EXPECT(vec_dot(c->n, way) <= R(0x1p-19) * size);
-    real keep = s->margin * skin_pair(&s->skin, c->v).thickness;
-    EXPECT(c->target == (keep - c->gap) / s->dt && c->slide == 0);
+    real keep = s->margin * surfaces_pair(&s->surfaces, c->v).thickness;
+    EXPECT(c->target == (keep - c->gap) / s->dt && c->stiffness_t == 0);
     return NULL;
 }
 
@@ -168,7 +168,8 @@ static const struct contact *find_old(const struct impulses *s,
 
 /* §1: a contact that takes the place of an active one goes on with its
  * multipliers, on its own side A and across its own normal. */
-static const char *check_heir(const struct impulses *s, const struct contact *c)
+static const char *check_edited(const struct impulses *s,
+                                const struct contact *c)
 {
     int others;
     const struct contact *old = find_old(s, c, &others);
@@ -277,7 +278,7 @@ const char *prop_impulses(const struct impulses *s)
         EXPECT(at >= 0);
         EXPECT(s->contact[at].impulse == 0 && s->contact[at].friction > 0);
         const char *failed = check_new(s, &s->contact[at]);
-        failed = failed ? failed : check_heir(s, &s->contact[at]);
+        failed = failed ? failed : check_edited(s, &s->contact[at]);
         if (failed)
             return failed;
     }
@@ -287,7 +288,7 @@ const char *prop_impulses(const struct impulses *s)
 }
 
 /* §2.3: the normal of a free edge that falls askew on the common side of two
- * led triangles. Their other corners are `sink` lower than it. */
+ * prescribed triangles. Their other corners are `sink` lower than it. */
 static vec meet(real sink, bool known)
 {
     vec x0[6] = {
@@ -298,7 +299,8 @@ static vec meet(real sink, bool known)
         x1[i] = vec_axpy(x0[i], i < 2 ? -1 : 0, vec_make(0, 1, 0));
     const real w[6] = {1, 1, 0, 0, 0, 0};
     const int32_t pair[4] = {0, 1, 2, 3}, start[7] = {0, 0, 0, 2, 4, 5, 6};
-    const int32_t rim[6][2] = {{3, 4}, {5, 3}, {4, 2}, {2, 5}, {2, 3}, {3, 2}};
+    const int32_t opposite[6][2] = {{3, 4}, {5, 3}, {4, 2},
+                                    {2, 5}, {2, 3}, {3, 2}};
     const uint8_t kind = CONTACT_EE;
     const uint32_t toi = 1u << 29;
     const uint16_t of[6] = {0};
@@ -306,23 +308,24 @@ static vec meet(real sink, bool known)
     struct key key, spare;
     uint64_t first[6];
     struct contact c = {.n = {0, 0, 0}};
-    struct impulses s = {.nv = 6,
-                         .n = 1,
-                         .pair = pair,
-                         .kind = &kind,
-                         .toi = &toi,
-                         .w = w,
-                         .x0 = x0,
-                         .x1 = x1,
-                         .skin = {1, of, &surface},
-                         .fan = {known ? 7 : 0, known ? 6 : 0, start, rim},
-                         .dt = R(0.5),
-                         .n_all = 1,
-                         .key = &key,
-                         .spare = &spare,
-                         .first = first,
-                         .cap = 1,
-                         .contact = &c};
+    struct impulses s = {
+        .nv = 6,
+        .n = 1,
+        .pair = pair,
+        .kind = &kind,
+        .toi = &toi,
+        .w = w,
+        .x0 = x0,
+        .x1 = x1,
+        .surfaces = {1, of, &surface},
+        .one_rings = {known ? 7 : 0, known ? 6 : 0, start, opposite},
+        .dt = R(0.5),
+        .n_all = 1,
+        .key = &key,
+        .spare = &spare,
+        .first = first,
+        .cap = 1,
+        .contact = &c};
     return ref_impulses(&s) == DRAPE_OK ? c.n : vec_make(0, 0, 0);
 }
 

@@ -15,7 +15,7 @@ struct lone {
     struct contact c;
     vec u[4], force[4], rest[4], inner[4], outer[4], next;
     real w[4];
-    sym wall[4], hold[4];
+    sym single[4], bound[4];
     int32_t start[5], item[4], vertex[4];
 };
 
@@ -34,8 +34,8 @@ static void open_lone(struct lone *s)
     s->law.force = s->force;
     s->law.inner = s->inner;
     s->law.outer = s->outer;
-    s->law.wall = s->wall;
-    s->law.hold = s->hold;
+    s->law.single = s->single;
+    s->law.bound = s->bound;
     s->law.lists = 1;
 }
 
@@ -82,7 +82,7 @@ static void move(struct lone *s)
 {
     struct wide_sym a = {{0}};
     a.a[0] = a.a[3] = a.a[5] = 1 / (double)s->w[0];
-    sym factor = ref_factor(wide_sym_add(a, s->hold[0]));
+    sym factor = ref_factor(wide_sym_add(a, s->bound[0]));
     vec dv = factor_solve(factor, s->inner[0]);
     real first = vec_dot(s->inner[0], dv), low = 0, high = 1, at = 1;
     real slope = shift(s, dv, 1);
@@ -214,7 +214,7 @@ static void multiply(struct lone *s, const vec d[4], vec y[4])
                       .push = &push,
                       .y = y};
     for (int i = 0; i < 4; i++)
-        y[i] = sym_apply(s->wall[i], d[i]);
+        y[i] = sym_apply(s->single[i], d[i]);
     ref_links(&l);
 }
 
@@ -237,14 +237,14 @@ static const char *check_way(struct lone *s, const vec d[4], bool *held)
     }
     EXPECT(ref_coulomb(&s->law) == DRAPE_OK);
     bool slides = vec_length(was.way) > 0, slid = vec_length(s->c.way) > 0;
-    *held = slides == slid && (was.along > 0) == (s->c.along > 0);
+    *held = slides == slid && (was.stiffness_n > 0) == (s->c.stiffness_n > 0);
     /* rounding of the forces; and their second derivative along a slip, which
      * is at most 2 κ μ N / |z| · κ / |z|, with μ N ≤ |z| */
     double kappa = (double)was.kappa;
     double terms = kappa * 2 * (speed + 1) + (double)was.lambda +
                    (double)vec_length(was.lambda_t);
     double z = slides ? kappa * (double)vec_length(was.tangent) /
-                            ((double)was.slide + 1e-30)
+                            ((double)was.stiffness_t + 1e-30)
                       : 1;
     double bend = slides ? 2 * kappa * kappa * size * size / z : 0;
     double bound =
@@ -271,13 +271,13 @@ const char *test_coulomb_slope(void)
         for (int i = 0; i < 4; i++)
             d[i] = s.w[i] > 0 ? pick_vec(&b, 1) : vec_make(0, 0, 0);
         EXPECT(ref_coulomb(&s.law) == DRAPE_OK);
-        bool slides = vec_length(s.c.way) > 0, presses = s.c.along > 0;
-        bool wall = s.c.held == CONTACT_WALL;
+        bool slides = vec_length(s.c.way) > 0, presses = s.c.stiffness_n > 0;
+        bool single = s.c.coupling == CONTACT_SINGLE;
         failed = check_way(&s, d, &held);
         slid += held && slides;
         stuck += held && !slides;
         apart += held && !presses;
-        lone += held && wall;
+        lone += held && single;
         choices_free(&b);
         ran(1);
     }

@@ -12,10 +12,10 @@ const struct field fields_proximity[] = {
     IN(proximity, kind, n, 1),
     IN(proximity, x, nv, 1),
     IN(proximity, w, nv, 1),
-    IN(proximity, skin.of, nv, 1),
-    IN(proximity, skin.surface, skin.n, 1),
-    IN(proximity, fan.start, fan.n_start, 1),
-    IN(proximity, fan.rim, fan.n_rim, 1),
+    IN(proximity, surfaces.of, nv, 1),
+    IN(proximity, surfaces.surface, surfaces.n, 1),
+    IN(proximity, one_rings.start, one_rings.n_start, 1),
+    IN(proximity, one_rings.opposite, one_rings.n_opposite, 1),
     SCRATCH(proximity, at, n, 1),
     OUT_USED(proximity, contact, cap, 1, found),
     OUT_VALUE(proximity, found),
@@ -46,31 +46,32 @@ static vec pick_place(struct bytes *b, real scale, bool flat)
     return x;
 }
 
-struct fan pick_fan(struct bytes *b, int64_t nv, int64_t n, const int32_t *pair)
+struct one_rings pick_one_rings(struct bytes *b, int64_t nv, int64_t n,
+                                const int32_t *pair)
 {
-    struct fan fan = {.n_start = nv + 1, .n_rim = 2 * nv};
-    int32_t *start = take(b, fan.n_start, sizeof *start);
-    int32_t(*rim)[2] = take(b, fan.n_rim, sizeof *rim);
+    struct one_rings one_rings = {.n_start = nv + 1, .n_opposite = 2 * nv};
+    int32_t *start = take(b, one_rings.n_start, sizeof *start);
+    int32_t(*opposite)[2] = take(b, one_rings.n_opposite, sizeof *opposite);
     for (int64_t i = 0; i <= nv; i++)
         start[i] = (int32_t)(2 * i);
-    for (int64_t i = 0; i < fan.n_rim; i++) {
-        rim[i][0] = (int32_t)pick(b, (uint64_t)nv);
-        rim[i][1] = (int32_t)pick(b, (uint64_t)nv);
+    for (int64_t i = 0; i < one_rings.n_opposite; i++) {
+        opposite[i][0] = (int32_t)pick(b, (uint64_t)nv);
+        opposite[i][1] = (int32_t)pick(b, (uint64_t)nv);
     }
     for (int64_t k = 0; k < 4 * n; k++) {
         int64_t at = 2 * (int64_t)pair[k] + (int64_t)pick(b, 2);
-        rim[at][pick(b, 2)] = pair[k ^ (1 + (int64_t)pick(b, 3))];
+        opposite[at][pick(b, 2)] = pair[k ^ (1 + (int64_t)pick(b, 3))];
     }
-    fan.start = start;
-    fan.rim = (const int32_t(*)[2])rim;
-    return fan;
+    one_rings.start = start;
+    one_rings.opposite = (const int32_t(*)[2])opposite;
+    return one_rings;
 }
 
 void gen_proximity(struct bytes *b, struct proximity *s)
 {
     s->n = for_bench(b) ? 1 << 18 : pick_size(b);
     s->nv = 4 + s->n / 2;
-    s->skin.n = 2;
+    s->surfaces.n = 2;
     s->dt = R(1.0) / 60;
     s->stiffness = pick(b, 2) ? 0 : 100;
     s->range = pick(b, 2) ? 1 : R(1.25);
@@ -96,9 +97,9 @@ void gen_proximity(struct bytes *b, struct proximity *s)
     s->kind = kind;
     s->x = x;
     s->w = w;
-    s->skin.of = of;
-    s->skin.surface = surface;
-    s->fan = pick_fan(b, s->nv, s->n, pair);
+    s->surfaces.of = of;
+    s->surfaces.surface = surface;
+    s->one_rings = pick_one_rings(b, s->nv, s->n, pair);
     s->cap = pick(b, 8) ? s->n : s->n / 16;
 }
 
@@ -252,15 +253,15 @@ static int split_of(const struct proximity *s, int64_t k)
     return s->kind[k] == CONTACT_VF ? 1 : 2;
 }
 
-/* §3.2: the led side of the pair, A (0) before B (1); -1 if both have free
- * vertices. */
-static int led_of(const struct proximity *s, int64_t k)
+/* §3.2: the prescribed side of the pair, A (0) before B (1); -1 if both have
+ * free vertices. */
+static int prescribed_of(const struct proximity *s, int64_t k)
 {
     const int32_t *v = s->pair + 4 * k;
-    int led[2] = {1, 1};
+    int prescribed[2] = {1, 1};
     for (int j = 0; j < 4; j++)
-        led[j >= split_of(s, k)] &= !(s->w[v[j]] > 0);
-    return led[0] ? 0 : led[1] ? 1 : -1;
+        prescribed[j >= split_of(s, k)] &= !(s->w[v[j]] > 0);
+    return prescribed[0] ? 0 : prescribed[1] ? 1 : -1;
 }
 
 /* The closest points of the stage, where equally near ones may be others. */
@@ -365,13 +366,14 @@ static struct beside look(const struct proximity *s, const struct spot *q,
 {
     struct beside b = {0};
     struct wide o = wide_of(s->x[q->i]);
-    if (q->corners == 3 || !s->fan.n_start)
+    if (q->corners == 3 || !s->one_rings.n_start)
         return b;
-    for (int32_t t = s->fan.start[q->i]; t < s->fan.start[q->i + 1]; t++) {
-        const int32_t *rim = s->fan.rim[t];
-        struct wide e = wide_sub(wide_of(s->x[rim[0]]), o);
-        struct wide f = wide_sub(wide_of(s->x[rim[1]]), o);
-        if (q->i != q->j && rim[0] != q->j && rim[1] != q->j)
+    for (int32_t t = s->one_rings.start[q->i]; t < s->one_rings.start[q->i + 1];
+         t++) {
+        const int32_t *opposite = s->one_rings.opposite[t];
+        struct wide e = wide_sub(wide_of(s->x[opposite[0]]), o);
+        struct wide f = wide_sub(wide_of(s->x[opposite[1]]), o);
+        if (q->i != q->j && opposite[0] != q->j && opposite[1] != q->j)
             continue;
         look_towards(q, e, least, &b);
         look_towards(q, f, least, &b);
@@ -386,9 +388,9 @@ struct fate {
     double least, most; /* of the gap of a kept pair, in distances */
 };
 
-/* §3.2: a pair with a led side is dropped where this surface comes nearer and p
- * is more than 60° off all its normals. Where p is less, the gap is along the
- * normal that p is most along. */
+/* §3.2: a pair with a prescribed side is dropped where this surface comes
+ * nearer and p is more than 60° off all its normals. Where p is less, the gap
+ * is along the normal that p is most along. */
 static struct fate led_fate(const struct proximity *s, int64_t k, int side,
                             const struct wide x[4])
 {
@@ -432,10 +434,12 @@ static bool has_place(const struct proximity *s, int64_t k,
     if (s->kind[k] == CONTACT_EE)
         return r.c[0] != 0 && r.c[1] != 0 && r.c[2] != 0 && r.c[3] != 0;
     struct spot q = find_spot(s, k, 1, x);
-    if (q.corners == 3 || !s->fan.n_start)
+    if (q.corners == 3 || !s->one_rings.n_start)
         return true;
-    for (int32_t t = s->fan.start[q.i]; t < s->fan.start[q.i + 1]; t++) {
-        int32_t a = s->fan.rim[t][0], b = s->fan.rim[t][1];
+    for (int32_t t = s->one_rings.start[q.i]; t < s->one_rings.start[q.i + 1];
+         t++) {
+        int32_t a = s->one_rings.opposite[t][0],
+                b = s->one_rings.opposite[t][1];
         bool there = q.j == q.i || q.j == a || q.j == b;
         if (!there || a == v[0] || b == v[0])
             continue;
@@ -454,7 +458,7 @@ static bool has_place(const struct proximity *s, int64_t k,
 static struct fate find_fate(const struct proximity *s, int64_t k,
                              const struct wide x[4])
 {
-    int side = led_of(s, k);
+    int side = prescribed_of(s, k);
     struct closest r = points_of(x, s->kind[k]);
     if (!has_place(s, k, x))
         return (struct fate){.drop = true};
@@ -473,7 +477,8 @@ const char *prop_proximity(const struct proximity *s)
         struct wide x[4];
         for (int j = 0; j < 4; j++)
             x[j] = wide_of(s->x[v[j]]);
-        double r = (double)(s->range * skin_pair(&s->skin, v).thickness);
+        double r =
+            (double)(s->range * surfaces_pair(&s->surfaces, v).thickness);
         const struct contact *c = &s->contact[at];
         bool kept = at < s->found && !memcmp(c->v, v, sizeof c->v) &&
                     c->kind == s->kind[k];
@@ -488,7 +493,7 @@ const char *prop_proximity(const struct proximity *s)
         EXPECT(f.keep);
         EXPECT((double)c->gap <= f.most * d + bound);
         EXPECT((double)c->gap >= f.least * d - bound);
-        if (k % 8 == 0 && orc_present() && led_of(s, k) < 0)
+        if (k % 8 == 0 && orc_present() && prescribed_of(s, k) < 0)
             EXPECT(is_distance(x, s->kind[k], (double)c->gap, bound));
         const char *failed = check_contact(c, x);
         if (failed)
@@ -523,7 +528,7 @@ static void pick_tiny(struct bytes *b, int e, vec x[5])
 const char *test_proximity_tiny(void)
 {
     static const int32_t v[4] = {0, 1, 2, 3}, start[6] = {0, 1, 3, 4, 4, 4};
-    static const int32_t rim[4][2] = {{1, 4}, {2, 4}, {3, 4}, {3, 4}};
+    static const int32_t opposite[4][2] = {{1, 4}, {2, 4}, {3, 4}, {3, 4}};
     static const struct surface surface = {2, 0};
     static const uint16_t of[5];
     struct bytes b = {.seed = 1, .size = -1};
@@ -543,8 +548,8 @@ const char *test_proximity_tiny(void)
                               .kind = &kind,
                               .x = x,
                               .w = w,
-                              .skin = {1, of, &surface},
-                              .fan = {6, 4, start, rim},
+                              .surfaces = {1, of, &surface},
+                              .one_rings = {6, 4, start, opposite},
                               .dt = 1,
                               .range = 1,
                               .at = &at,
@@ -584,11 +589,11 @@ static double sampled(const struct wide x[4], int kind)
  * collapsed pairs. */
 static void pick_pair(struct bytes *b, int family, struct wide x[4])
 {
-    static const double thin[4] = {1, 1e-3, 1e-7, 0};
+    static const double packed[4] = {1, 1e-3, 1e-7, 0};
     for (int k = 0; k < 4; k++)
         x[k] = pick_cube(b);
     struct wide d = wide_sub(x[2], x[1]), e = wide_sub(x[3], x[1]);
-    double f = thin[family % 4];
+    double f = packed[family % 4];
     if (family >= 4) /* edges: the second nearly along the first */
         x[3] = wide_axpy(wide_axpy(x[2], 1, wide_sub(x[1], x[0])), f, e);
     else /* triangles: the last corner near the first edge */

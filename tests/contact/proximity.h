@@ -9,8 +9,8 @@
 
 /* Two triangles around each vertex, as a rule with the other vertices of its
  * pairs [n][4]. */
-struct fan pick_fan(struct bytes *b, int64_t nv, int64_t n,
-                    const int32_t *pair);
+struct one_rings pick_one_rings(struct bytes *b, int64_t nv, int64_t n,
+                                const int32_t *pair);
 
 /* The distance, m, of a vertex x[0] and a face, or of two edges, by other
  * methods than the stage's: regions of the plane, and clamping. */

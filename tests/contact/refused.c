@@ -51,8 +51,8 @@ static void make_law(struct gpu *g, struct coulomb *s)
     s->force = copy_of(g, NULL, NV, sizeof *s->force);
     s->inner = copy_of(g, NULL, NV, sizeof *s->inner);
     s->outer = copy_of(g, NULL, NV, sizeof *s->outer);
-    s->wall = copy_of(g, NULL, NV, sizeof *s->wall);
-    s->hold = copy_of(g, NULL, NV, sizeof *s->hold);
+    s->single = copy_of(g, NULL, NV, sizeof *s->single);
+    s->bound = copy_of(g, NULL, NV, sizeof *s->bound);
 }
 
 /* What a stage returned, or what it left for the next look at the device's
@@ -81,8 +81,8 @@ const char *test_coulomb_refused(void)
                       .tau = 1,
                       .stiffest = 1,
                       .contact = law.contact};
-    c.skin = (struct skin){1, copy_of(g, of, NV, sizeof *of),
-                           copy_of(g, &surface, 1, sizeof surface)};
+    c.surfaces = (struct surfaces){1, copy_of(g, of, NV, sizeof *of),
+                                   copy_of(g, &surface, 1, sizeof surface)};
     struct retain r = {.nv = NV,
                        .n = 1,
                        .w = law.w,

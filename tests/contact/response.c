@@ -63,14 +63,14 @@ static const char *check_step(struct tangle *t, vec a)
     return check_motion(t, real_max(most, fastest(t)));
 }
 
-void tangle_soup(struct tangle *t, struct bytes *b, int side, bool thin)
+void tangle_soup(struct tangle *t, struct bytes *b, int side, bool packed)
 {
     tangle_make(t, 3 * side * side * side, side * side * side);
     for (int64_t k = 0; k < t->nt; k++) {
         vec at = vec_make((real)(k % side), (real)(k / side % side),
                           (real)(k / side / side));
         vec v = pick_box(b, -30, 30);
-        uint32_t collapsed = thin ? pick(b, 4) : 0;
+        uint32_t collapsed = packed ? pick(b, 4) : 0;
         for (int j = 0; j < 3; j++) {
             int64_t i = 3 * k + j;
             t->tri[k][j] = (int32_t)i;
@@ -96,7 +96,7 @@ static const char *run_soup(struct tangle *t, int steps, bool lossy)
         const char *failed = check_step(t, none);
         if (failed)
             return failed;
-        EXPECT(!(t->r.outcome & DRAPE_TRAPPED)); /* no led vertex */
+        EXPECT(!(t->r.outcome & DRAPE_TRAPPED)); /* no prescribed vertex */
         /* contacts.md §5.3, up to rounding in all iterations of all rounds */
         EXPECT(!lossy || kinetic(t) <= before * (1 + 0x1p-16));
         tangle_next(t);
@@ -139,8 +139,8 @@ const char *test_tangle_energy(void)
     return failed;
 }
 
-/* Adds a square plate of side 2 r with centre c: four led vertices from index
- * `at` on. */
+/* Adds a square plate of side 2 r with centre c: four prescribed vertices from
+ * index `at` on. */
 static void make_plate(struct tangle *t, int64_t at, int64_t tri, vec c, real r)
 {
     for (int k = 0; k < 4; k++) {
@@ -194,7 +194,8 @@ static const char *run_press(struct tangle *t, int steps, bool *trapped)
         const char *failed = check_step(t, vec_make(0, -10, 0));
         if (failed)
             return failed;
-        for (int64_t i = nv - 8; i < nv; i++) /* led vertices are not changed */
+        for (int64_t i = nv - 8; i < nv;
+             i++) /* prescribed vertices are not changed */
             EXPECT(t->x1[i].y == t->x0[i].y + t->r.dt * t->v[i].y);
         *trapped |= (t->r.outcome & DRAPE_TRAPPED) != 0;
         tangle_next(t);

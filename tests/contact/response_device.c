@@ -81,8 +81,8 @@ static void rival_open(struct rival *t)
     r->run = &backend_gpu;
     r->on = t->g;
     r->w = give(t, t->a.w, nv, sizeof(real));
-    r->skin.of = give(t, t->a.of, nv, sizeof *t->a.of);
-    r->skin.surface = give(t, &t->a.surface, 1, sizeof t->a.surface);
+    r->surfaces.of = give(t, t->a.of, nv, sizeof *t->a.of);
+    r->surfaces.surface = give(t, &t->a.surface, 1, sizeof t->a.surface);
     r->x0 = give(t, NULL, nv, sizeof(vec));
     r->x1 = give(t, NULL, nv, sizeof(vec));
     r->v = give(t, NULL, nv, sizeof(vec));
@@ -141,7 +141,7 @@ static const char *compare(struct rival *t)
     EXPECT(a->candidates == b->candidates);
     EXPECT(a->zone_vertices == b->zone_vertices);
     EXPECT(a->rolled_back == b->rolled_back);
-    EXPECT(a->started == b->started && a->led == b->led);
+    EXPECT(a->started == b->started && a->prescribed == b->prescribed);
     return NULL;
 }
 

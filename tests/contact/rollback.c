@@ -28,9 +28,9 @@ void gen_rollback(struct bytes *b, struct rollback *s)
     s->u = take(b, s->nv, sizeof *s->u);
     s->v = take(b, s->nv, sizeof *s->v);
     s->rolled = take(b, s->nv, 1);
-    uint32_t led = pick(b, 2) ? 2 : 16;
+    uint32_t prescribed = pick(b, 2) ? 2 : 16;
     for (int64_t i = 0; i < s->nv; i++) {
-        w[i] = pick(b, led) ? 1 : 0;
+        w[i] = pick(b, prescribed) ? 1 : 0;
         x0[i] = pick_vec(b, 4);
         s->rolled[i] = w[i] > 0 && pick(b, 2);
         s->x1[i] = s->rolled[i] ? x0[i] : pick_vec(b, 4);

@@ -6,21 +6,21 @@
 
 /* Lists the triangles around each of n vertices. start: [n + 1], start[0] is 0;
  * rim: [3·triangles]. */
-static void list_fan(int32_t n, int triangles, const int32_t (*tri)[3],
-                     int32_t *start, int32_t (*rim)[2])
+static void list_one_rings(int32_t n, int triangles, const int32_t (*tri)[3],
+                           int32_t *start, int32_t (*opposite)[2])
 {
     int32_t at = 0;
     for (int32_t i = 0; i < n; i++) {
         for (int k = 0; k < 3 * triangles; k++)
             if (tri[k / 3][k % 3] == i) {
-                rim[at][0] = tri[k / 3][(k + 1) % 3];
-                rim[at++][1] = tri[k / 3][(k + 2) % 3];
+                opposite[at][0] = tri[k / 3][(k + 1) % 3];
+                opposite[at++][1] = tri[k / 3][(k + 2) % 3];
             }
         start[i + 1] = at;
     }
 }
 
-/* §3.2: a led plane of triangles, and free vertices above it */
+/* §3.2: a prescribed plane of triangles, and free vertices above it */
 enum { SIDE = 5, GROUND = SIDE * SIDE, FREE = 64, MESH = GROUND + FREE };
 enum { TRIS = 2 * (SIDE - 1) * (SIDE - 1) };
 
@@ -28,7 +28,7 @@ struct ground {
     vec x[MESH], up;
     real w[MESH];
     uint16_t of[MESH];
-    int32_t tri[TRIS][3], start[MESH + 1], rim[3 * TRIS][2];
+    int32_t tri[TRIS][3], start[MESH + 1], opposite[3 * TRIS][2];
     struct surface surface;
 };
 
@@ -58,7 +58,8 @@ static void make_ground(struct bytes *b, struct ground *s)
             s->tri[2 * k + j / 3][j % 3] =
                 c[(turn + (j < 3 ? j : (j - 1) % 4)) % 4];
     }
-    list_fan(MESH, TRIS, (const int32_t(*)[3])s->tri, s->start, s->rim);
+    list_one_rings(MESH, TRIS, (const int32_t(*)[3])s->tri, s->start,
+                   s->opposite);
 }
 
 /* Every free vertex with every triangle, and every edge between neighbouring
@@ -93,20 +94,20 @@ const char *test_proximity_flat(void)
         struct ground s;
         bool met[MESH] = {false};
         make_ground(&b, &s);
-        struct proximity p = {
-            .range = 1,
-            .nv = MESH,
-            .n = pair_all(&s, pair, kind),
-            .pair = pair,
-            .kind = kind,
-            .x = s.x,
-            .w = s.w,
-            .skin = {1, s.of, &s.surface},
-            .fan = {MESH + 1, 3 * TRIS, s.start, (const int32_t(*)[2])s.rim},
-            .dt = R(0.01),
-            .at = at,
-            .cap = PAIRS,
-            .contact = contact};
+        struct proximity p = {.range = 1,
+                              .nv = MESH,
+                              .n = pair_all(&s, pair, kind),
+                              .pair = pair,
+                              .kind = kind,
+                              .x = s.x,
+                              .w = s.w,
+                              .surfaces = {1, s.of, &s.surface},
+                              .one_rings = {MESH + 1, 3 * TRIS, s.start,
+                                            (const int32_t(*)[2])s.opposite},
+                              .dt = R(0.01),
+                              .at = at,
+                              .cap = PAIRS,
+                              .contact = contact};
         EXPECT(ref_proximity(&p) == DRAPE_OK);
         for (int64_t j = 0; j < p.found; j++) {
             const struct contact *c = &contact[j];
@@ -133,7 +134,7 @@ struct sheets {
     vec x[BOTH];
     real w[BOTH];
     uint16_t of[BOTH];
-    int32_t tri[2 * HALF][3], start[BOTH + 1], rim[6 * HALF][2];
+    int32_t tri[2 * HALF][3], start[BOTH + 1], opposite[6 * HALF][2];
     struct surface surface;
 };
 
@@ -159,7 +160,8 @@ static void make_sheets(struct bytes *b, struct sheets *s, real aside,
                                 {p + 1, p + WIDE + 1, p + WIDE}};
         memcpy(s->tri[2 * k], corner, sizeof corner);
     }
-    list_fan(BOTH, 2 * HALF, (const int32_t(*)[3])s->tri, s->start, s->rim);
+    list_one_rings(BOTH, 2 * HALF, (const int32_t(*)[3])s->tri, s->start,
+                   s->opposite);
 }
 
 /* Every vertex with every triangle of the other sheet, and every pair of edges
@@ -221,20 +223,20 @@ static int find_sheets(const struct sheets *s, struct proximity *p)
     static int32_t pair[4 * ALL], at[ALL];
     static uint8_t kind[ALL];
     static struct contact contact[ALL];
-    *p = (struct proximity){
-        .range = 1,
-        .nv = BOTH,
-        .n = pair_sheets(s, pair, kind),
-        .pair = pair,
-        .kind = kind,
-        .x = s->x,
-        .w = s->w,
-        .skin = {1, s->of, &s->surface},
-        .fan = {BOTH + 1, 6 * HALF, s->start, (const int32_t(*)[2])s->rim},
-        .dt = R(0.01),
-        .at = at,
-        .cap = ALL,
-        .contact = contact};
+    *p = (struct proximity){.range = 1,
+                            .nv = BOTH,
+                            .n = pair_sheets(s, pair, kind),
+                            .pair = pair,
+                            .kind = kind,
+                            .x = s->x,
+                            .w = s->w,
+                            .surfaces = {1, s->of, &s->surface},
+                            .one_rings = {BOTH + 1, 6 * HALF, s->start,
+                                          (const int32_t(*)[2])s->opposite},
+                            .dt = R(0.01),
+                            .at = at,
+                            .cap = ALL,
+                            .contact = contact};
     return ref_proximity(p);
 }
 
@@ -300,7 +302,7 @@ static int64_t find_contact(const struct five *s, real origin, real step,
                                          {{0, 1, 4}, {2, 3, 4}}};
     static const uint16_t of[5];
     const struct surface surface = {16 * step, 0};
-    int32_t at, start[6] = {0}, rim[6][2];
+    int32_t at, start[6] = {0}, opposite[6][2];
     vec x[5];
     real w[5];
     for (int i = 0; i < 5; i++) {
@@ -309,20 +311,21 @@ static int64_t find_contact(const struct five *s, real origin, real step,
                         vec_make((real)k[0], (real)k[1], (real)k[2]));
         w[i] = s->free[i > (s->kind == CONTACT_EE)] ? 1 : 0;
     }
-    list_fan(5, 2, tri[s->kind], start, rim);
-    struct proximity p = {.range = 1,
-                          .nv = 5,
-                          .n = 1,
-                          .pair = pair,
-                          .kind = &s->kind,
-                          .x = x,
-                          .w = w,
-                          .skin = {1, of, &surface},
-                          .fan = {6, 6, start, (const int32_t(*)[2])rim},
-                          .dt = 1,
-                          .at = &at,
-                          .cap = 1,
-                          .contact = c};
+    list_one_rings(5, 2, tri[s->kind], start, opposite);
+    struct proximity p = {
+        .range = 1,
+        .nv = 5,
+        .n = 1,
+        .pair = pair,
+        .kind = &s->kind,
+        .x = x,
+        .w = w,
+        .surfaces = {1, of, &surface},
+        .one_rings = {6, 6, start, (const int32_t(*)[2])opposite},
+        .dt = 1,
+        .at = &at,
+        .cap = 1,
+        .contact = c};
     int status = ref_proximity(&p);
     return status == DRAPE_OK ? p.found : status;
 }

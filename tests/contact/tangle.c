@@ -36,7 +36,7 @@ void tangle_make(struct tangle *t, int64_t nv, int64_t nt)
                              .on = &t->arena,
                              .nv = nv,
                              .w = t->w,
-                             .skin = {1, t->of, &t->surface},
+                             .surfaces = {1, t->of, &t->surface},
                              .x0 = t->x0,
                              .x1 = t->x1,
                              .v = t->v,
@@ -89,8 +89,8 @@ void tangle_free(struct tangle *t)
         free(memory[k]);
 }
 
-/* Appends pair v if its vertices are distinct and not all led, one of them is
- * touched, and the swept boxes overlap. */
+/* Appends pair v if its vertices are distinct and not all prescribed, one of
+ * them is touched, and the swept boxes overlap. */
 static void consider(struct tangle *t, const int32_t v[4], uint8_t kind,
                      const uint8_t *touched)
 {
@@ -152,11 +152,11 @@ void tangle_start(struct tangle *t, vec a)
     }
 }
 
-int tangle_respond(struct response *r, const struct pairs *near)
+int tangle_respond(struct response *r, const struct pairs *close)
 {
     if (!r->solves)
-        return response_repel(r, near);
-    int status = response_near(r, near);
+        return response_repel(r, close);
+    int status = response_find_close(r, close);
     if (status == DRAPE_OK)
         status = response_detect(r);
     return status == DRAPE_OK && r->hits > 0 ? response_join(r) : status;

@@ -29,7 +29,7 @@ void tangle_free(struct tangle *t);
 /* Fills the scene with triangles of a cell's size, one in each cell of a cubic
  * grid; thin: some are collapsed to needles or points. In
  * tests/contact/response.c. */
-void tangle_soup(struct tangle *t, struct bytes *b, int side, bool thin);
+void tangle_soup(struct tangle *t, struct bytes *b, int side, bool packed);
 /* Fills the scene with a sheet between two plates that move at lo and hi m/s
  * along y. In tests/contact/response.c. */
 void tangle_press(struct tangle *t, struct bytes *b, real lo, real hi);

@@ -29,10 +29,10 @@ void gen_zones(struct bytes *b, struct zones *s)
     real *w = take(b, s->nv, sizeof *w);
     vec *x0 = take(b, s->nv, sizeof *x0);
     s->u = take(b, s->nv, sizeof *s->u);
-    uint32_t led = pick(b, 3) ? 64 : 3;
+    uint32_t prescribed = pick(b, 3) ? 64 : 3;
     bool line = pick(b, 4) == 0;
     for (int64_t i = 0; i < s->nv; i++) {
-        w[i] = pick(b, led) ? pick_uniform(b, R(0.1), 1000) : 0;
+        w[i] = pick(b, prescribed) ? pick_uniform(b, R(0.1), 1000) : 0;
         x0[i] = line ? vec_make(pick_real(b, 4), 1, 2) : pick_vec(b, 4);
         s->u[i] = pick_vec(b, 100);
     }

@@ -197,7 +197,8 @@ static const char *check_changed(int integrator, int backend)
     troupe_drop(&t, 3);
     troupe_drop(&t, 1);
     what = what ? what : same_as(&t, a);
-    EXPECT(what || drape_remove(a, 1) == DRAPE_OK); /* the body that is led */
+    EXPECT(what ||
+           drape_remove(a, 1) == DRAPE_OK); /* the body that is prescribed */
     troupe_drop(&t, 1);
     what = what ? what : same_as(&t, a);
     drape_destroy(a);

@@ -81,7 +81,7 @@ static int keeps(drape_world *world, const drape_cloth *c, bool past_too,
 }
 
 /* How much momentum the residual r of the loop may be along `off`, N·s. Let e
- * be the unit vector along it at all particles, and B = A + hold. By
+ * be the unit vector along it at all particles, and B = A + bound. By
  * Cauchy–Schwarz |e·r| ≤ √(e·Be) √(r·B⁻¹r). Springs do not resist e, so that
  * e·Be is the sheet's mass and e·hold e. The second root is what the step
  * reports, relative to the scale of lagrange.md §3.4, but for the cycle that
@@ -90,7 +90,7 @@ static int keeps(drape_world *world, const drape_cloth *c, bool past_too,
 static double left_over(drape_world *world, const drape_cloth *c,
                         double residual, const double off[3])
 {
-    static sym hold[COUNT];
+    static sym bound[COUNT];
     static vec force[COUNT];
     const struct world *w = world->world;
     const struct lagrange *a = &w->lagrange;
@@ -98,13 +98,13 @@ static double left_over(drape_world *world, const drape_cloth *c,
     double net = 0, d[3];
     for (int i = 0; i < 3; i++)
         d[i] = off[i] / fmax(size(off), DBL_MIN);
-    w->run->fetch(w->on, hold, a->hold[a->held], sizeof hold);
+    w->run->fetch(w->on, bound, a->bound[a->held], sizeof bound);
     w->run->fetch(w->on, force, a->law.force, sizeof force);
     if (w->run->status(w->on) != DRAPE_OK)
         return 0;
     for (int k = 0; k < COUNT; k++) {
         vec h =
-            sym_apply(hold[k], vec_make((real)d[0], (real)d[1], (real)d[2]));
+            sym_apply(bound[k], vec_make((real)d[0], (real)d[1], (real)d[2]));
         sum += d[0] * (double)h.x + d[1] * (double)h.y + d[2] * (double)h.z;
         net += (double)vec_dot(force[k], force[k]) / mass_of(c, k);
     }

@@ -199,9 +199,9 @@ static struct face face_of(const struct audit *s, int64_t t)
 
 static bool on_line(const point t[3])
 {
-    return !ref_orient2_whole(t[0], t[1], t[2], 0, 1) &&
-           !ref_orient2_whole(t[0], t[1], t[2], 1, 2) &&
-           !ref_orient2_whole(t[0], t[1], t[2], 2, 0);
+    return !ref_orient2_integer(t[0], t[1], t[2], 0, 1) &&
+           !ref_orient2_integer(t[0], t[1], t[2], 1, 2) &&
+           !ref_orient2_integer(t[0], t[1], t[2], 2, 0);
 }
 
 /* §1.2 by an independent method: rational arithmetic and clipping. */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The audit of wrong meshes on the device. spec/narrow/audit.md */
 #include "gpu/run/gpu.h"
-#include "ref/base/stages.h"
 #include "tests/base/harness.h"
+#include "tests/base/stages.h"
 
 enum { NV = 300, NT = 100 };
 

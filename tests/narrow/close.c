@@ -177,8 +177,8 @@ const char *test_closest_least(void)
         struct closest r;
         for (int i = 0; i < 4; i++)
             x[i] = wide_of(pick_cube(&b));
-        double thin = (double)two_to(-(int)pick(&b, 40));
-        x[3] = wide_axpy(wide_axpy(x[2], 1, wide_sub(x[1], x[0])), thin,
+        double packed = (double)two_to(-(int)pick(&b, 40));
+        x[3] = wide_axpy(wide_axpy(x[2], 1, wide_sub(x[1], x[0])), packed,
                          wide_sub(x[3], x[1]));
         if (pick(&b, 2)) /* one beyond the other */
             x[2] = wide_axpy(x[2], 2 * (double)pick(&b, 2) - 1,

@@ -5,9 +5,9 @@
 #include <stdlib.h>
 
 #include "gpu/run/gpu.h"
-#include "ref/base/stages.h"
 #include "tests/base/data.h"
 #include "tests/base/harness.h"
+#include "tests/base/stages.h"
 #include "tests/narrow/sweep.h"
 
 enum { RUNS = 11 };

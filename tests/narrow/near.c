@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Tests truncated big integers: a sign that is reported as known is right.
  * spec/narrow/narrow.md §6.6 */
-#include "ref/narrow/near.h"
+#include "ref/narrow/approx.h"
 
 #include "ref/narrow/point.h"
 
@@ -19,13 +19,13 @@ static struct big pick_big(struct bytes *b, struct big_arena *m)
 }
 
 /* Returns ((a·b - c·d)·b + d)·a, computed with m->keep words. */
-static struct near value_of(struct big_arena *m, const struct big v[4])
+static struct approx value_of(struct big_arena *m, const struct big v[4])
 {
-    struct near a = near_of(m, v[0]), b = near_of(m, v[1]);
-    struct near c = near_of(m, v[2]), d = near_of(m, v[3]);
-    struct near r = near_sub(m, near_mul(m, a, b), near_mul(m, c, d));
-    r = near_add(m, near_mul(m, r, b), d);
-    return near_mul(m, r, a);
+    struct approx a = approx_of(m, v[0]), b = approx_of(m, v[1]);
+    struct approx c = approx_of(m, v[2]), d = approx_of(m, v[3]);
+    struct approx r = approx_sub(m, approx_mul(m, a, b), approx_mul(m, c, d));
+    r = approx_add(m, approx_mul(m, r, b), d);
+    return approx_mul(m, r, a);
 }
 
 /* With one word kept or more, the sign is the exact sign or unknown. Unknown
@@ -45,17 +45,17 @@ const char *test_near_signs(void)
             v[2] = v[1];
             v[3] = pick(&b, 3) ? big_add(&m, v[0], big_small(&m, 1)) : v[0];
         }
-        struct near whole = value_of(&m, v);
-        int exact = near_sign(whole);
-        if (whole.rest != near_rest(whole.m))
+        struct approx whole = value_of(&m, v);
+        int exact = approx_sign(whole);
+        if (whole.rest != approx_rest(whole.m))
             failed = "a rest is wrong";
         for (m.keep = 1; m.keep < 8; m.keep++) {
-            int sign = near_sign(value_of(&m, v));
-            if (exact == NEAR_UNKNOWN || m.full ||
-                (sign != exact && sign != NEAR_UNKNOWN))
+            int sign = approx_sign(value_of(&m, v));
+            if (exact == APPROX_UNKNOWN || m.full ||
+                (sign != exact && sign != APPROX_UNKNOWN))
                 failed = "a sign is wrong";
-            told += sign != NEAR_UNKNOWN;
-            untold += sign == NEAR_UNKNOWN;
+            told += sign != APPROX_UNKNOWN;
+            untold += sign == APPROX_UNKNOWN;
         }
     }
     choices_free(&b);

@@ -44,17 +44,17 @@ const char *test_audit_signs(void)
             near_plane(&b, p);
         choices_free(&b);
         int s = ref_orient3(p[0], p[1], p[2], p[3]);
-        EXPECT(s == ref_orient3_whole(p[0], p[1], p[2], p[3]));
-        EXPECT(s == -ref_orient3_whole(p[1], p[0], p[2], p[3]));
+        EXPECT(s == ref_orient3_integer(p[0], p[1], p[2], p[3]));
+        EXPECT(s == -ref_orient3_integer(p[1], p[0], p[2], p[3]));
         EXPECT(s == -ref_orient3(p[0], p[2], p[1], p[3]));
         EXPECT(s == ref_orient3(p[1], p[0], p[3], p[2]));
         EXPECT(!orc_present() || s == orc_orient3(p[0], p[1], p[2], p[3]));
         for (int i = 0; i < 3; i++) {
             int u = (i + 1) % 3, v = (i + 2) % 3;
             int t = ref_orient2(p[0], p[1], p[2], u, v);
-            EXPECT(t == ref_orient2_whole(p[0], p[1], p[2], u, v));
+            EXPECT(t == ref_orient2_integer(p[0], p[1], p[2], u, v));
             EXPECT(t == -ref_orient2(p[0], p[1], p[2], v, u));
-            EXPECT(t == ref_orient2_whole(p[1], p[2], p[0], u, v));
+            EXPECT(t == ref_orient2_integer(p[1], p[2], p[0], u, v));
         }
         ran(1);
     }

@@ -9,7 +9,7 @@
 const struct field fields_jacobi[] = {IN(jacobi, mass, count, 1),
                                       IN(jacobi, extra, n_extra, 1),
                                       IN(jacobi, block, n_blocks, 1),
-                                      IN(jacobi, thin, n_thin, 1),
+                                      IN(jacobi, packed, n_packed, 1),
                                       IN(jacobi, fixed, count, 1),
                                       OUT(jacobi, factor, count, 1),
                                       FIELD_END};
@@ -19,8 +19,8 @@ void gen_jacobi(struct bytes *b, struct jacobi *s)
     struct system a;
     pick_system(b, &a);
     GIVE_SYSTEM(s, &a);
-    s->n_thin = pick(b, 2) ? a.n_blocks : 0;
-    s->thin = a.thin;
+    s->n_packed = pick(b, 2) ? a.n_blocks : 0;
+    s->packed = a.packed;
     s->fixed = a.fixed;
 }
 
@@ -65,10 +65,10 @@ const char *prop_jacobi(const struct jacobi *s)
                        .mass = (real *)s->mass,
                        .extra = (sym *)s->extra,
                        .block = (sym *)s->block};
-    sym *brief = calloc((size_t)s->n_thin + 1, sizeof *brief);
-    for (int64_t k = 0; k < s->n_thin; k++)
-        brief[k] = thin_sym(s->thin[k]);
-    a.block = s->n_thin ? brief : a.block;
+    sym *brief = calloc((size_t)s->n_packed + 1, sizeof *brief);
+    for (int64_t k = 0; k < s->n_packed; k++)
+        brief[k] = packed_sym(s->packed[k]);
+    a.block = s->n_packed ? brief : a.block;
     const char *failed = NULL;
     for (int64_t p = 0; p < s->count && !failed; p++) {
         sym f = s->factor[p];

@@ -28,7 +28,7 @@ const struct field fields_coarsen[] = {IN(coarsen, excess, count, 1),
 const struct field fields_multigrid[] = {
     IN(multigrid, mass, count, 1),       IN(multigrid, extra, n_extra, 1),
     IN(multigrid, block, n_blocks, 1),   IN(multigrid, fixed, count, 1),
-    IN(multigrid, thin, n_thin, 1),      IN(multigrid, factor, count, 1),
+    IN(multigrid, packed, n_packed, 1),  IN(multigrid, factor, count, 1),
     IN(multigrid, r, count, 1),          SCRATCH(multigrid, parts, n_parts, 1),
     SCRATCH(multigrid, pool, n_pool, 1), SCRATCH(multigrid, room, n_room, 1),
     SCRATCH(multigrid, live, n_live, 1), SCRATCH(multigrid, dense, n_dense, 1),
@@ -94,12 +94,13 @@ void gen_multigrid(struct bytes *b, struct multigrid *s)
     struct system a;
     pick_system(b, &a);
     GIVE_SYSTEM(s, &a);
-    s->n_thin = pick(b, 4) ? a.n_blocks : 0;
+    s->n_packed = pick(b, 4) ? a.n_blocks : 0;
     s->triples = a.triples;
     ref_multigrid_size(s);
     s->fixed = a.fixed;
-    s->thin = a.thin;
-    struct jacobi j = {.n_thin = s->n_thin, .thin = a.thin, .fixed = a.fixed};
+    s->packed = a.packed;
+    struct jacobi j = {
+        .n_packed = s->n_packed, .packed = a.packed, .fixed = a.fixed};
     GIVE_SYSTEM(&j, &a);
     j.factor = take(b, a.count, sizeof *j.factor);
     if (a.count)
@@ -258,15 +259,15 @@ static void open_grid(const struct system *a, struct multigrid *s)
 {
     s->m = a->m;
     s->n = a->n;
-    s->n_thin = a->n_blocks;
+    s->n_packed = a->n_blocks;
     s->triples = a->triples;
     ref_multigrid_size(s);
     s->mass = a->mass;
     s->block = a->block;
-    s->thin = a->thin;
+    s->packed = a->packed;
     s->fixed = a->fixed;
     struct jacobi j = {
-        .n_thin = a->n_blocks, .thin = a->thin, .fixed = a->fixed};
+        .n_packed = a->n_blocks, .packed = a->packed, .fixed = a->fixed};
     GIVE_SYSTEM(&j, a);
     s->factor = j.factor = room(a->count, sizeof *j.factor);
     ref_jacobi(&j);

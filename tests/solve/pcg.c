@@ -10,7 +10,7 @@
 const struct field fields_pcg[] = {IN(pcg, mass, count, 1),
                                    IN(pcg, extra, n_extra, 1),
                                    IN(pcg, block, n_blocks, 1),
-                                   IN(pcg, thin, n_thin, 1),
+                                   IN(pcg, packed, n_packed, 1),
                                    IN(pcg, fixed, count, 1),
                                    IN(pcg, b, count, 1),
                                    IN(pcg, z, n_z, 1),

@@ -34,7 +34,7 @@ static struct pcg on_device(struct gpu *g, const struct pcg *s)
     d.mass = put(g, s->mass, s->count, sizeof *s->mass);
     d.extra = put(g, s->extra, s->n_extra, sizeof *s->extra);
     d.block = put(g, s->block, s->n_blocks, sizeof *s->block);
-    d.thin = put(g, s->thin, s->n_thin, sizeof *s->thin);
+    d.packed = put(g, s->packed, s->n_packed, sizeof *s->packed);
     d.fixed = put(g, s->fixed, s->count, 1);
     d.b = put(g, s->b, s->count, sizeof *s->b);
     d.cdf = put(g, NULL, s->n_cdf, sizeof *s->cdf);
@@ -69,7 +69,7 @@ static const struct rate *rates_of(struct gpu *g, const struct system *a,
     b.beside = put(g, b.beside, b.n_beside, sizeof *b.beside);
     b.x = put(g, a->x, a->count, sizeof *a->x);
     b.block = put(g, NULL, SPRINGS * a->count, sizeof *b.block);
-    b.n_thin = 0;
+    b.n_packed = 0;
     struct rate *rate = put(g, NULL, SPRINGS * a->count, sizeof *rate);
     gpu_blocks_and_rates(g, &b, rate);
     return rate;

@@ -17,7 +17,7 @@ void solver_give(struct pcg *s, const struct system *a)
     s->n_extra = a->n_extra;
     s->extra = a->extra;
     s->block = a->block;
-    s->thin = a->thin;
+    s->packed = a->packed;
     s->triples = a->triples;
     s->fixed = a->fixed;
     s->b = a->b;

@@ -81,7 +81,8 @@ static void pick_blocks(struct bytes *b, struct system *s, bool flat,
             s->block[k].xx += across[k];
             s->block[k].yy += across[k];
             s->block[k].zz += across[k];
-            s->thin[k] = thin_make(vec_dot(v, v), across[k], vec_scale(one, v));
+            s->packed[k] =
+                packed_make(vec_dot(v, v), across[k], vec_scale(one, v));
         }
 }
 
@@ -92,7 +93,7 @@ void pick_system(struct bytes *b, struct system *s)
     s->mass = take(b, s->count, sizeof *s->mass);
     s->extra = take(b, s->n_extra, sizeof *s->extra);
     s->block = take(b, s->n_blocks, sizeof *s->block);
-    s->thin = take(b, s->n_blocks, sizeof *s->thin);
+    s->packed = take(b, s->n_blocks, sizeof *s->packed);
     s->fixed = take(b, s->count, sizeof *s->fixed);
     s->b = take(b, s->count, sizeof *s->b);
     uint32_t holes = pick(b, 3), flat = pick(b, 2);
@@ -109,9 +110,9 @@ void pick_system(struct bytes *b, struct system *s)
     pick_blocks(b, s, flat, across);
 }
 
-sym thin_sym(struct thin t)
+sym packed_sym(struct packed t)
 {
-    struct thin_parts a = thin_open(t);
+    struct packed_parts a = packed_open(t);
     double s = (double)a.size, all = (double)a.all;
     struct wide e = wide_of(a.e);
     sym r = {(real)(s * e.x * e.x + all), (real)(s * e.x * e.y),
@@ -208,8 +209,8 @@ struct blocks blocks_of(const struct system *s)
                        .x = s->x,
                        .tau = s->tau,
                        .block = s->block,
-                       .n_thin = s->n_blocks,
-                       .thin = s->thin};
+                       .n_packed = s->n_blocks,
+                       .packed = s->packed};
     GIVE_CLOTH(&b, &s->cloth);
     return b;
 }
@@ -290,7 +291,7 @@ void make_system(const struct design *d, struct system *s)
     s->n_blocks = SPRINGS * s->count;
     s->mass = room(s->count, sizeof *s->mass);
     s->block = room(s->n_blocks, sizeof *s->block);
-    s->thin = room(s->n_blocks, sizeof *s->thin);
+    s->packed = room(s->n_blocks, sizeof *s->packed);
     s->fixed = room(s->count, sizeof *s->fixed);
     s->b = room(s->count, sizeof *s->b);
     s->x = room(s->count, sizeof *s->x);
@@ -326,7 +327,7 @@ void free_system(struct system *s)
     free(s->mass);
     free(s->extra);
     free(s->block);
-    free(s->thin);
+    free(s->packed);
     free(s->fixed);
     free(s->b);
     free(s->x);

@@ -13,7 +13,7 @@ struct system {
     int64_t count, n_extra, n_blocks;
     real *mass;
     sym *extra, *block;
-    struct thin *thin; /* [n_blocks] the blocks in 64 bits */
+    struct packed *packed; /* [n_blocks] the blocks in 64 bits */
     uint8_t *fixed;
     vec *b;      /* momentum of a falling, stretched cloth over one step */
     int triples; /* 1: some blocks are of triples, A ≤ 3·diagonal */
@@ -80,8 +80,8 @@ void hold_system(struct system *a, uint32_t every);
 struct blocks blocks_of(const struct system *s);
 void free_system(struct system *s);
 
-/* The 3 × 3 block that a thin block encodes, rounded to the precision. */
-sym thin_sym(struct thin t);
+/* The 3 × 3 block that a packed block encodes, rounded to the precision. */
+sym packed_sym(struct packed t);
 
 /* Block (p, q) of the dense matrix, by the definition in matrix.md §2. */
 mat dense_entry(const struct system *s, int64_t p, int64_t q);

@@ -49,7 +49,8 @@ static const char *check_still(int how, int *asleep, int *woke)
 
 /* §3: the energies of a cloth that sleeps are those of its state now, also
  * where it slept before with others: its material changes while it sleeps.
- * Alone the world sleeps as a whole, and beside the cloth that is led in part.
+ * Alone the world sleeps as a whole, and beside the cloth that is prescribed in
+ * part.
  */
 static const char *check_twice(bool alone)
 {
@@ -61,7 +62,7 @@ static const char *check_twice(bool alone)
     ensemble_make(&e, 0);
     e.d.def.cloths = e.cloth + ENSEMBLE_RESTS;
     e.d.def.n_cloths = alone ? 1 : 2;
-    e.cloth[ENSEMBLE_THROWN] = e.cloth[ENSEMBLE_LED];
+    e.cloth[ENSEMBLE_THROWN] = e.cloth[ENSEMBLE_PRESCRIBED];
     drape_material m = e.cloth[ENSEMBLE_RESTS].material;
     m.density *= 2;
     m.stretch *= 3;

@@ -9,9 +9,9 @@
 enum { M = 9, N = 8, COUNT = M * N, BOX = 8, NV = 2 * COUNT + 2 * BOX };
 enum { EDIT = 12, END = 24, CASES = 10 };
 
-/* A sheet with holes and cuts, led by a corner, that slides on a slab. The
- * other world has two bodies before these: a cloth of which all particles are
- * pinned, so light that it has no part in the balance of a solve
+/* A sheet with holes and cuts, prescribed by a corner, that slides on a slab.
+ * The other world has two bodies before these: a cloth of which all particles
+ * are pinned, so light that it has no part in the balance of a solve
  * (lagrange.md §3.4), and a slab with frames. */
 struct scene {
     struct slab d;

@@ -49,8 +49,8 @@ static void make_cloths(struct ensemble *e)
     e->cloth[ENSEMBLE_SLIDES].velocity = (const double(*)[3])e->slides;
     e->corner[0] = (drape_pin){0, 0, 0};
     e->corner[1] = (drape_pin){SIDE - 1, 0, 0};
-    e->cloth[ENSEMBLE_LED].pins = e->corner;
-    e->cloth[ENSEMBLE_LED].n_pins = 2;
+    e->cloth[ENSEMBLE_PRESCRIBED].pins = e->corner;
+    e->cloth[ENSEMBLE_PRESCRIBED].n_pins = 2;
     make_strained(e);
     make_thrown(e);
 }
@@ -86,8 +86,9 @@ static int lead(drape_world *world, double by)
     drape_read(world, x, NULL);
     for (int k = 0; k < 6; k++)
         to[k / 3][k % 3] =
-            x[ENSEMBLE_LED * COUNT + list[k / 3]][k % 3] + by * (k % 2);
-    return drape_set_pins(world, ENSEMBLE_LED, 2, list, (const double(*)[3])to);
+            x[ENSEMBLE_PRESCRIBED * COUNT + list[k / 3]][k % 3] + by * (k % 2);
+    return drape_set_pins(world, ENSEMBLE_PRESCRIBED, 2, list,
+                          (const double(*)[3])to);
 }
 
 static int thicken(drape_world *world, const struct ensemble *e, int cloth)

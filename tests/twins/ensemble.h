@@ -8,9 +8,10 @@
 
 /* Four cloths, in three groups that are far apart: one slides on a slab; one is
  * strained and pinned wherever it has a particle, so that it falls asleep with
- * energy, and another is thrown at it and wakes it; one is led by two corners.
+ * energy, and another is thrown at it and wakes it; one is prescribed by two
+ * corners.
  */
-enum { ENSEMBLE_SLIDES, ENSEMBLE_RESTS, ENSEMBLE_THROWN, ENSEMBLE_LED };
+enum { ENSEMBLE_SLIDES, ENSEMBLE_RESTS, ENSEMBLE_THROWN, ENSEMBLE_PRESCRIBED };
 enum {
     ENSEMBLE_CLOTHS = 4,
     ENSEMBLE_SIDE = 6,

@@ -32,7 +32,8 @@ static void choose(const struct ensemble *e, struct setting *s)
         s->material[k].friction = 0.125 * k;
     }
     s->material[ENSEMBLE_SLIDES].thickness *= 1.5; /* it touches the slab */
-    memcpy(s->material[ENSEMBLE_LED].table[DRAPE_WARP], warp, sizeof warp);
+    memcpy(s->material[ENSEMBLE_PRESCRIBED].table[DRAPE_WARP], warp,
+           sizeof warp);
     s->wind = (drape_wind){{0.5, 0.25, 0}, 1.2, 1, 0.3};
     s->gravity[0] = 0.5;
     s->gravity[1] = -3;
@@ -44,7 +45,7 @@ static void choose(const struct ensemble *e, struct setting *s)
 static const char *set(drape_world *w, struct setting *s)
 {
     const double(*x)[3] = (const double(*)[3])s->x;
-    EXPECT(drape_set_pins(w, ENSEMBLE_LED, 2, s->pin, NULL) == DRAPE_OK);
+    EXPECT(drape_set_pins(w, ENSEMBLE_PRESCRIBED, 2, s->pin, NULL) == DRAPE_OK);
     EXPECT(drape_step(w, NULL) == DRAPE_OK); /* what is pinned stops */
     EXPECT(drape_read(w, s->x, s->v) == DRAPE_OK);
     EXPECT(drape_set_gravity(w, s->gravity) == DRAPE_OK);
@@ -69,7 +70,7 @@ static drape_world *make(struct ensemble *e, const struct setting *s,
     for (int k = 0; k < 2; k++)
         pin[k] = (drape_pin){s->pin[k] % ENSEMBLE_SIDE,
                              s->pin[k] / ENSEMBLE_SIDE, -1};
-    e->cloth[ENSEMBLE_LED].pins = pin;
+    e->cloth[ENSEMBLE_PRESCRIBED].pins = pin;
     e->d.obstacle.x = (const double(*)[3])s->x + ENSEMBLE_NC;
     e->d.def.wind = s->wind;
     memcpy(e->d.def.gravity, s->gravity, sizeof s->gravity);

@@ -58,7 +58,7 @@ static int solve_turned(int k, int precond, int form, vec *dv)
                     .tolerance = REAL_BITS == 32 ? R(1e-6) : R(1e-13),
                     .max_iterations = 400};
     solver_open(&s, &a);
-    s.n_thin = s.grid.n_thin = 0; /* thin directions are rounded by axis */
+    s.n_packed = s.grid.n_packed = 0; /* thin directions are rounded by axis */
     int status = ref_pcg(&s);
     memcpy(dv, s.dv, (size_t)a.count * sizeof *dv);
     solver_close(&s);
@@ -120,7 +120,7 @@ const char *test_pcg_falls_back(void)
                         .tolerance = R(1e-4),
                         .max_iterations = 500};
         solver_open(&s, &a);
-        s.n_thin = s.grid.n_thin = 0;
+        s.n_packed = s.grid.n_packed = 0;
         int status = ref_pcg(&s);
         solver_close(&s);
         free_system(&a);

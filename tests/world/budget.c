@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Whole worlds obey mechanics: their masses, free fall, the momentum of sheets
- * that meet, wind and led frames. spec/world/step.md */
+ * that meet, wind and prescribed frames. spec/world/step.md */
 #include <stdlib.h>
 
 #include "ref/broad/box.h"
@@ -57,7 +57,7 @@ static bool near(double a, double b)
 }
 
 /* Each body has a surface of its own, with a thickness of at most half a cell;
- * led vertices have inverse mass 0. */
+ * prescribed vertices have inverse mass 0. */
 const char *test_world_made(void)
 {
     struct slab d;

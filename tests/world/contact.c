@@ -55,7 +55,7 @@ static const char *check_kept(const struct world *w, const drape_step_report *r,
     const struct lagrange *a = &w->lagrange;
     const struct kept *kept = a->kept[0].data;
     EXPECT(a->n_kept[0] == (a->solved ? w->response.n_solved : 0));
-    EXPECT((w->near >= NEAR_CONTACTS) ==
+    EXPECT((w->nearness >= NEAR_CONTACTS) ==
            (r->contacts > 0 || w->response.active > 0));
     for (int64_t k = 0; k < a->n_kept[0]; k++) {
         vec t = kept[k].lambda_t;
@@ -83,7 +83,7 @@ const char *test_world_kept(void)
         for (int step = 0; step < 16 && !failed; step++) {
             EXPECT(step_advance(w, &r) == DRAPE_OK);
             failed = check_kept(w, &r, &pressed);
-            gone += step > 0 && w->near == NEAR_NONE;
+            gone += step > 0 && w->nearness == NEAR_NONE;
             ran(1);
         }
         arena_free(&arena);

@@ -7,8 +7,8 @@
 
 enum { SIDE = 9, STEPS = 14 };
 
-/* A sheet over the slab. Two of its edges are led down past the slab and up
- * again; the middle of the sheet, which the slab holds, cannot follow. */
+/* A sheet over the slab. Two of its edges are prescribed down past the slab and
+ * up again; the middle of the sheet, which the slab holds, cannot follow. */
 struct press {
     struct slab d;
     drape_pin pin[2 * SIDE];
@@ -202,8 +202,8 @@ const char *test_ending_alone(void)
     return NULL;
 }
 
-/* §11: a cloth that is led through a plate within a step is reported (PASSED),
- * though nothing intersects at the end. */
+/* §11: a cloth that is prescribed through a plate within a step is reported
+ * (PASSED), though nothing intersects at the end. */
 const char *test_ending_passed(void)
 {
     static const double at[2] = {0, 1.0 / 60};

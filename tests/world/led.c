@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Prescribed motion in whole steps: led vertices are where they are told to be,
- * and a sleeping scene wakes when something moves. spec/world/step.md §1, §6 */
+/* Prescribed motion in whole steps: prescribed vertices are where they are
+ * prescribed to be, and a sleeping scene wakes when something moves.
+ * spec/world/step.md §1, §6 */
 #include "ref/broad/box.h"
 #include "tests/world/scene.h"
 #include "tests/world/slab.h"
 
 enum { SIDE = SLAB_SMALL, COUNT = SIDE * SIDE };
 
-/* kinematics.md §1: led vertices are where they are told to be. The first sheet
- * has a hole, a fixed pin and a moving pin; a second sheet is thrown at it. */
+/* kinematics.md §1: prescribed vertices are where they are prescribed to be.
+ * The first sheet has a hole, a fixed pin and a moving pin; a second sheet is
+ * thrown at it. */
 static drape_world *make_pinned(struct slab *d, int integrator)
 {
     static const double times[2] = {0, 1};
@@ -42,15 +44,15 @@ static const char *check_pins(const drape_world *world, const double (*x0)[3],
     static const double way[3] = {0.25, 0.5, 0};
     static double x[2 * COUNT][3], v[2 * COUNT][3];
     static const int held[3] = {3 + 4 * SIDE, 5 + 5 * SIDE, 0};
-    int led = 8 + 7 * SIDE;
+    int prescribed = 8 + 7 * SIDE;
     drape_read(world, x, v);
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < 3; i++)
             EXPECT(x[held[k]][i] == x0[held[k]][i] && v[held[k]][i] == 0);
     for (int i = 0; i < 3; i++) {
-        double want = x0[led][i] + t * way[i];
-        EXPECT(fabs(x[led][i] - want) <= 2 * (double)REAL_UNIT);
-        EXPECT(fabs(v[led][i] - way[i]) <= 1e-3);
+        double want = x0[prescribed][i] + t * way[i];
+        EXPECT(fabs(x[prescribed][i] - want) <= 2 * (double)REAL_UNIT);
+        EXPECT(fabs(v[prescribed][i] - way[i]) <= 1e-3);
     }
     return NULL;
 }

@@ -27,8 +27,8 @@ static const char *check_near(struct slab *d, double above, double speed)
     EXPECT(w[0] && w[1]);
     size_t bytes = (size_t)w[0]->nv * sizeof(vec);
     for (int step = 0; step < 3; step++) {
-        if (w[1]->near == NEAR_NONE)
-            w[1]->near = NEAR_PAIRS;
+        if (w[1]->nearness == NEAR_NONE)
+            w[1]->nearness = NEAR_PAIRS;
         for (int k = 0; k < 2; k++)
             EXPECT(step_advance(w[k], &r[k]) == DRAPE_OK);
         EXPECT(!memcmp(w[0]->x0, w[1]->x0, bytes));

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The loops of the reference for waking cloths. spec/sleep/sleep.md */
+#include "ref/sleep/wake.h"
+
+void wake_find(struct wake *s)
+{
+    for (int64_t k = 0; k < s->n; k++) {
+        uint16_t a = s->body[s->pair[k][0]], b = s->body[s->pair[k][3]];
+        if (s->active[a] && !s->active[b])
+            s->disturbed[b] = 1;
+        if (s->active[b] && !s->active[a])
+            s->disturbed[a] = 1;
+    }
+}
+
+void wake_mask(int64_t n, const uint16_t *body, const uint8_t *awake,
+               uint8_t *mask)
+{
+    EACH_ITEM
+    for (int64_t i = 0; i < n; i++)
+        mask[i] = awake[body[i]];
+}
+
+void wake_displacements(int64_t n, const uint16_t *body, const vec *x0,
+                        const vec *x1, int bodies, real *most)
+{
+    memset(most, 0, (size_t)bodies * sizeof *most);
+    for (int64_t i = 0; i < n; i++) {
+        vec d = vec_sub(x1[i], x0[i]);
+        most[body[i]] = real_max(most[body[i]], vec_dot(d, d));
+    }
+}
