@@ -22,7 +22,7 @@ WARN   := -Wall -Wextra -Wpedantic $(WERROR)
 MODEL  := -ffp-contract=off -fno-math-errno -fno-fast-math
 COMMON  = $(OPT) $(CPPFLAGS) $(CFLAGS) $(WARN) $(MODEL) $(OPENMP) $(SAN) $(DEFINES) -I. -Ispec \
           -I$(BUILD) -MMD -MP -fPIC
-# A command is shown as a short line, `CC app/run.c`; V=1 shows it whole, -s not.
+# A command is shown as a short line, `CC app/tool/run.c`; V=1 shows it whole, -s not.
 MUTE   := $(findstring s,$(firstword -$(MAKEFLAGS)))
 show    = $(if $(V),,@$(if $(MUTE),,echo '$(1)';) )
 bits    = $(patsubst .%,$(comma) % bits,$(filter .32 .64,$(suffix $(basename $@))))
@@ -88,7 +88,9 @@ TWICE  := $(sort $(filter-out $(ONCE) tests/whole/%,$(wildcard tests/*/*.c)))
 DEVICE := gpu/compare/blas.cu $(addprefix gpu/run/,batch.cu copies.cu device.cu gather.cu \
           kernel.cu loop.cu memory.cu merge.cu branch.cu prim.cu stream.cu words.cu)
 KERNEL := $(sort $(filter-out $(DEVICE),$(wildcard gpu/*/*.cu)))
-APP    := $(sort $(wildcard app/*.c))
+# The tool in rooms, each of which includes itself and those before it.
+ROOMS  := base read scene write render tool
+APP    := $(sort $(wildcard $(ROOMS:%=app/%/*.c)))
 ORACLE := $(sort $(wildcard oracle/*.cpp oracle/*.c))
 APP_LIBS    := -lassimp -ljansson -lembree$(EMBREE) -lpng -lgmp -lm
 ORACLE_LIBS := -lfcl -lccd -lmpfr -lgmpxx -lgmp -lstdc++ -lm
@@ -188,7 +190,7 @@ SPEEDS := $(sort $(wildcard ci/bench/*/speed.csv))
 $(BUILD)/speed.inc: $(SPEEDS) Makefile
 	@mkdir -p $(@D)
 	@for f in $(SPEEDS); do sed '1d;s/.*/"&\\n"/' $$f; done >$@
-$(BUILD)/app/speed.o: $(BUILD)/speed.inc
+$(BUILD)/app/tool/speed.o: $(BUILD)/speed.inc
 FORCE:
 $(BUILD)/gpu/run/absent.o $(BUILD)/gpu/run/emulate.o $(BUILD)/cuda/gpu/run/device.o: \
     $(BUILD)/certificate.h

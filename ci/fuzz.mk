@@ -9,7 +9,7 @@ READERS := checkpoint csv files mutate part readers report strict
 PARTS := $(filter-out $(addprefix $(BUILD)/tests/base/,check.o certify.o), \
          $(TEST_O)) $(REF_O) $(EMU_O) $(ORC_O) \
          $(call obj,$(addprefix fuzz/,$(TARGETS))) \
-         $(if $(HAS_APP),$(filter-out $(BUILD)/app/main.o,$(APP_O)) \
+         $(if $(HAS_APP),$(filter-out $(BUILD)/app/tool/main.o,$(APP_O)) \
          $(call obj,$(addprefix fuzz/,$(READERS))),$(BUILD)/fuzz/absent.o)
 FUZZ_L := $(ORC_L) $(if $(HAS_APP),$(APP_LIBS)) -lstdc++ -lm
 # Comparisons are not traced where there are millions of them: ci/fuzz.sh.

@@ -136,7 +136,7 @@ clang-* | [tm]san)
 gcc-* | asan) flavour ;;
 format)
     needs clang-format 14
-    one sh -c 'ls app/*.[ch] app/examples/*.c* ci/bench/*.[ch] \
+    one sh -c 'ls app/*/*.[ch] app/examples/*.c[pu]* ci/bench/*.[ch] \
         ci/validate/*.[ch] fuzz/*.[ch] gpu/*/* oracle/*.[ch]* \
         python/core/*.[ch] ref/*/*.[ch] spec/*.h tests/*/*.[ch] |
         xargs clang-format --dry-run -Werror'

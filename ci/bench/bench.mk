@@ -14,7 +14,7 @@ ACC_O   := $(call obj,$(addprefix ci/bench/,backends bench bisect contact drift 
            $(foreach p,.32 .64,$(call obj,ci/bench/solves \
            $(addprefix tests/,base/reals cloth/sheet solve/solver solve/system),$(p))) \
            $(call obj,tests/base/choices) $(if $(HAS_APP),$(filter-out \
-           $(BUILD)/app/main.o,$(APP_O))) $(ORC_O) $(INSIDE)
+           $(BUILD)/app/tool/main.o,$(APP_O))) $(ORC_O) $(INSIDE)
 ACC_L   := $(if $(HAS_APP),$(APP_LIBS)) $(ORC_L) -lstdc++ -lm \
            $(if $(GPU),$(CUDA_L))
 $(BUILD)/accuracy: $(ACC_O)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Measures run time against error with contact, on a scene of the tool for a
  * short time. spec/accuracy.md §1 */
-#include "app/scene.h"
+#include "app/scene/scene.h"
 #include "ci/bench/accuracy.h"
 
 #include <math.h>

@@ -13,7 +13,7 @@ static const struct fabric {
 #define FABRIC(name_, density_, stretch_, shear_, bend_, thickness_,           \
                friction_, what_, source_)                                      \
     {name_, density_, stretch_, shear_, bend_},
-#include "app/fabrics.def"
+#include "app/scene/fabrics.def"
 #undef FABRIC
 };
 enum { FABRICS = sizeof fabrics / sizeof *fabrics };

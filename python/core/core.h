@@ -5,7 +5,7 @@
 #ifndef PYTHON_CORE_CORE_H
 #define PYTHON_CORE_CORE_H
 
-#include "app/scene.h"
+#include "app/scene/scene.h"
 
 /* CORE_BEGIN */
 
@@ -24,7 +24,7 @@ void core_free(struct scene *scene);
  * The scene must outlive the world. */
 int core_create(struct scene *scene, drape_world **world);
 
-/* app/fabrics.h */
+/* app/scene/fabrics.h */
 const char *fabric_at(int k, drape_material *out, const char **what);
 
 enum core_kind { CORE_CLOTH, CORE_OBSTACLE };
@@ -36,7 +36,7 @@ int core_add(struct scene *scene, enum core_kind kind, const void *body,
 /* Takes a body, numbered as in drape_remove, out of a scene. */
 void core_remove(struct scene *scene, int body);
 
-/* The files of a run, as `drape run` writes them (app/output.h). */
+/* The files of a run, as `drape run` writes them (app/write/output.h). */
 typedef struct core_run core_run;
 /* What a run has and does beside its frames; each 0 or 1. */
 typedef struct core_run_how {
