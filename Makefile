@@ -240,7 +240,7 @@ include ci/install.mk ci/flavours.mk ci/fuzz.mk ci/upkeep.mk ci/python.mk \
 check: ## everything that must hold
 	@python3 ci/check.py $(BUILD)
 # What its parts share, so that they can run side by side.
-check-parts: all $(ACC) $(BUILD)/validate $(BUILD)/whole.txt $(BUILD)/replay \
+check-parts: all $(ACC) $(BUILD)/validate $(BUILD)/whole.txt $(BUILD)/replay corpus \
     $(if $(HAS_ORACLE),$(BUILD)/frames)
 
 demo: $(BUILD)/drape ## drapes a cloth over the lion: pictures, film, report
