@@ -3,7 +3,7 @@
 # sources, the rules and the library; included are ci/install.mk (the shared
 # library, what is installed, packages), ci/flavours.mk (other compilers and
 # flags: the only recursion), ci/fuzz.mk, ci/upkeep.mk, ci/python.mk and
-# ci/bench/bench.mk.
+# bench/bench.mk.
 
 BUILD  ?= build
 PREFIX ?= /usr/local
@@ -185,8 +185,8 @@ $(BUILD)/certificate.h: FORCE
 	  echo 'NOT CERTIFIED (python3 and git must be there to tell)')\"" >$$new; \
 	  cmp -s $@ $$new && rm $$new || mv $$new $@
 # What steps cost on machines where they were measured, for `drape plan`: the rows
-# of ci/bench/MACHINE/speed.csv as literals.
-SPEEDS := $(sort $(wildcard ci/bench/*/speed.csv))
+# of bench/MACHINE/speed.csv as literals.
+SPEEDS := $(sort $(wildcard bench/*/speed.csv))
 $(BUILD)/speed.inc: $(SPEEDS) Makefile
 	@mkdir -p $(@D)
 	@for f in $(SPEEDS); do sed '1d;s/.*/"&\\n"/' $$f; done >$@
@@ -235,7 +235,7 @@ $(BUILD)/5_share: $(BUILD)/5_share.o $(LIB)
 	$(C17) $^ -o $@ $(CUDA_L)
 
 include ci/install.mk ci/flavours.mk ci/fuzz.mk ci/upkeep.mk ci/python.mk \
-        ci/bench/bench.mk
+        bench/bench.mk
 
 check: ## everything that must hold
 	@python3 ci/check.py $(BUILD)
@@ -247,8 +247,8 @@ demo: $(BUILD)/drape ## drapes a cloth over the lion: pictures, film, report
 	@sh ci/demo.sh $(BUILD)
 
 help: ## this list
-	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile ci/*.mk ci/*/*.mk | expand -t 11
-	@echo 'tables also takes SCENES= FRAMES= MODES= LIMIT=: ci/bench/scenes.sh'
+	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile ci/*.mk bench/bench.mk | expand -t 11
+	@echo 'tables also takes SCENES= FRAMES= MODES= LIMIT=: bench/scenes.sh'
 	@echo "OPT=      '-O2 -g', say: for a debugger"
 	@echo 'V=1       shows whole commands'
 	@echo 'GPU=yes   with any of them: builds the device part without a device'
@@ -259,4 +259,4 @@ help: ## this list
   $(EMU_O) $(CUDA_O) $(PRICE_O) $(filter %.o,$(ACC_O)) \
   $(VAL_O))
 -include $(patsubst %.o,%.d,$(PARTS) $(BUILD)/fuzz/main.o \
-  $(BUILD)/ci/bench/narrow.32.o $(ROOT)/oracle/frames.o $(ROOT)/oracle/table.o)
+  $(BUILD)/bench/narrow.32.o $(ROOT)/oracle/frames.o $(ROOT)/oracle/table.o)

@@ -75,7 +75,7 @@ case $target in
 soak)
     prepare
     shift 3
-    python3 ci/soak.py "$build" "$seconds" ci/bench/fuzz.csv "$@"
+    python3 ci/soak.py "$build" "$seconds" bench/fuzz.csv "$@"
     ;;
 *)
     "$build/replay" --list | grep -qx "$target" || {
@@ -85,7 +85,7 @@ soak)
     }
     prepare
     status=0
-    python3 ci/soak.py "$build" "$seconds" ci/bench/fuzz.csv "$target" || status=1
+    python3 ci/soak.py "$build" "$seconds" bench/fuzz.csv "$target" || status=1
     "$out/$target" -merge=1 -max_len=8192 -close_fd_mask=3 \
         "$build/corpus/$target" "$out/found-$target"
     python3 fuzz/corpus.py pack "$target" "$build/corpus/$target"

@@ -24,7 +24,7 @@ MOST_FILES = 30    # in a room
 MOST_HEADERS = 40  # of ours that a .cu file sees
 C = (".c", ".h", ".cu", ".cuh", ".cpp", ".def")
 SCRIPTS = (".sh", ".py", ".mk", "Makefile", ".ci/run")
-LOGS = ("ci/bench/h200/", "CHANGELOG")  # they tell of trees that were
+LOGS = ("bench/h200/", "CHANGELOG")  # they tell of trees that were
 SUFFIX = r"(?:c|h|cu|cuh|cpp|md|sh|py|def|gappa|mk)"
 FILE = re.compile(r"(?<![\w./<*-])((?:[\w-]+/)*[\w-]+\." + SUFFIX + r")(?![\w/])")
 CITED = re.compile(r"(?P<page>(?:[\w-]+/)*[\w-]+\.md)|§ ?(?P<n>\d+(?:\.\d+)*)")
@@ -76,7 +76,7 @@ def comments(path, text):
 def sources(texts):
     return [path for path in texts if path.endswith(C + SCRIPTS) and
             path.split("/")[0] in ("ref", "gpu", "tests", "app", "fuzz", "oracle",
-                                   "ci", "spec", "Makefile")]
+                                   "ci", "bench", "validate", "spec", "Makefile")]
 
 
 def pages(texts):

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 
 /* The cheapest setting for each error, in the worst scene of the diagrams of
- * ci/bench. If a row does not suffice the next row is tried. */
+ * bench. If a row does not suffice the next row is tried. */
 static const struct setting {
     double error; /* m, the smallest error for which the row is meant */
     int integrator;

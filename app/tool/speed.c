@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The rows of ci/bench/.../speed.csv, a literal each. */
+/* The rows of bench/.../speed.csv, a literal each. */
 static const char built_in[] =
 #include "speed.inc"
     ;
@@ -36,7 +36,7 @@ static int read_rows(const char *name, const char *line, int number,
             complain(APP_USAGE,
                      n == room ? "%s: line %d: more rows than can be read"
                                : "%s: line %d: expected a row of speed.csv, as "
-                                 "ci/bench/speed.py writes it",
+                                 "bench/speed.py writes it",
                      name, number + n);
             return -1;
         }

@@ -6,7 +6,7 @@
 
 #include <stddef.h>
 
-/* A row of ci/bench/MACHINE/speed.csv, which ci/bench/speed.py writes. */
+/* A row of bench/MACHINE/speed.csv, which bench/speed.py writes. */
 struct speed {
     char machine[64], backend[8], date[16];
     int threads, bits; /* threads 0: a device */

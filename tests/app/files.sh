@@ -249,9 +249,9 @@ failed=$((failed + $(echo "$line" | cut -d' ' -f3)))
 
 # The tables of the paper's figures, made from a very small scene.
 is 'runs for the tables' sh -c 'cd "$1" && SCENES=tiny CONTACT=sphere \
-    FRAMES=6 SHORT=4 EVERY=2 STEPS=1 THREADS="1 2" BACKEND=ref sh ci/bench/scenes.sh \
+    FRAMES=6 SHORT=4 EVERY=2 STEPS=1 THREADS="1 2" BACKEND=ref sh bench/scenes.sh \
     "${2%/*}" "$3/bench"' sh "$root" "$drape" "$work"
-is 'tables of them' python3 "$root/ci/bench/tables.py" bench/results tables
+is 'tables of them' python3 "$root/bench/tables.py" bench/results tables
 is 'steps of frames 5 and 6 by the reference, the same' sh -c \
     '[ "$(cut -d, -f1-4,8 tables/figure12.csv | tr "\n" " ")" = "scene,from \
 step,steps,threads,same counts and energies tiny,5,1,1,yes tiny,5,1,2,yes " ]'
