@@ -9,7 +9,7 @@ PIP    := $(PY)/venv/bin/python -m pip install -q
 # The tool's reader of scenes and writer of runs, which the extension shares: its
 # rooms before render/, but for what assimp reads.
 CORE   := $(filter-out app/read/assimp.c app/read/pose.c app/render/% app/tool/%, \
-          $(APP))
+          $(APP)) python/core/log.c
 HAS_ASSIMP := $(call has,assimp/cimport.h)
 CORE   += $(if $(HAS_ASSIMP),app/read/assimp.c app/read/pose.c,python/core/absent.c)
 CORE_L := $(if $(HAS_ASSIMP),-lassimp) -ljansson -lpthread $(if $(GPU),$(CUDA_L),-lm)

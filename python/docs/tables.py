@@ -88,7 +88,7 @@ def keys(file: str, mark: str) -> list[tuple[str, str, str]]:
             limits = choices(text, words[-1])
         rows.append((key, what, limits))
     if not rows:
-        raise ValueError(f"app/scene/{file}: a table of keys that this cannot read: {mark}")
+        raise ValueError(f"app/scene/{file}: cannot read the table of keys of {mark}")
     return rows
 
 

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import os
 import reprlib
-import struct
 import weakref
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -42,13 +41,6 @@ class Body:
     triangles: slice
     particles: tuple[int, int] | None = None
     size: tuple[float, float] | None = None
-
-
-# What each record of a log begins with, its magic, and the kinds of those that
-# change bodies (ref/api/record.h, record.c).
-HEAD = struct.Struct("=4sIqqQQ")
-MAGIC = b"drL2"
-CLOTH, MESH, REMOVE = 11, 12, 13
 
 
 def means(body: object, number: int, each: Any) -> bool:
@@ -179,22 +171,24 @@ class Bodies:
         """Brings the scene up to the changes of bodies in what a replay has read,
         of which the last call has failed unless it is done."""
         scene, changed = self._open().scene, False
-        heads = [
-            at
-            for at, read in enumerate(reads)
-            if len(read) == HEAD.size and bytes(read[:4]) == MAGIC
-        ]
-        for at in heads if done else heads[:-1]:
-            _, kind, where, *_ = HEAD.unpack(reads[at])
-            if kind == REMOVE:
+        calls, body = [], ffi.new("int64_t *")
+        for at, read in enumerate(reads):
+            kind = lib.core_log_piece(ffi.from_buffer(read), len(read), body)
+            if kind != lib.CORE_LOG_DATA:
+                calls.append((at, kind, body[0]))
+        adds = {
+            lib.CORE_LOG_CLOTH: ("drape_cloth", lib.CORE_CLOTH),
+            lib.CORE_LOG_OBSTACLE: ("drape_obstacle", lib.CORE_OBSTACLE),
+        }
+        for at, kind, where in calls if done else calls[:-1]:
+            if kind == lib.CORE_LOG_REMOVE:
                 lib.core_remove(scene, where)
-            elif kind in (CLOTH, MESH):
-                name = "drape_cloth" if kind == CLOTH else "drape_obstacle"
+            elif kind in adds:
+                name, sort = adds[kind]
                 new = ffi.new(f"{name} *")
                 ffi.buffer(new)[:] = reads[at + 1][: ffi.sizeof(name)]
-                sort = lib.CORE_CLOTH if kind == CLOTH else lib.CORE_OBSTACLE
                 check_code(lib.core_add(scene, sort, new, ffi.NULL))
-            changed |= kind in (CLOTH, MESH, REMOVE)
+            changed |= kind != lib.CORE_LOG_CALL
         if changed:
             self._changed()
 
