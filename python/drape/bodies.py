@@ -167,31 +167,6 @@ class Bodies:
             raise told from None
         return [each for each in self.bodies if each.kind == kind][number]
 
-    def _follow(self, reads: list[memoryview], done: bool) -> None:
-        """Brings the scene up to the changes of bodies in what a replay has read,
-        of which the last call has failed unless it is done."""
-        scene, changed = self._open().scene, False
-        calls, body = [], ffi.new("int64_t *")
-        for at, read in enumerate(reads):
-            kind = lib.core_log_piece(ffi.from_buffer(read), len(read), body)
-            if kind != lib.CORE_LOG_DATA:
-                calls.append((at, kind, body[0]))
-        adds = {
-            lib.CORE_LOG_CLOTH: ("drape_cloth", lib.CORE_CLOTH),
-            lib.CORE_LOG_OBSTACLE: ("drape_obstacle", lib.CORE_OBSTACLE),
-        }
-        for at, kind, where in calls if done else calls[:-1]:
-            if kind == lib.CORE_LOG_REMOVE:
-                lib.core_remove(scene, where)
-            elif kind in adds:
-                name, sort = adds[kind]
-                new = ffi.new(f"{name} *")
-                ffi.buffer(new)[:] = reads[at + 1][: ffi.sizeof(name)]
-                check_code(lib.core_add(scene, sort, new, ffi.NULL))
-            changed |= kind != lib.CORE_LOG_CALL
-        if changed:
-            self._changed()
-
     def _changed(self) -> None:
         """Takes note of other bodies."""
         self._mirrors.clear()  # what others hold of them stays as it is
