@@ -1,43 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pictures of what build/accuracy wrote, and the table of settings.
 usage: accuracy.py DIRECTORY"""
-import csv
 import os
 import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
+
+from picture import Page, number
 
 HERE = sys.argv[1]
 COLOUR = {"euler": "#b0672a", "midpoint": "#7a9a2e", "verlet": "#1b7f5c",
           "rk4": "#6a4fa3", "baraff-witkin": "#c1272d", "choi-ko": "#1f5fa8"}
-plt.rcParams.update({"font.size": 8, "axes.grid": True, "grid.alpha": 0.25,
-                     "axes.spines.top": False, "axes.spines.right": False,
-                     "legend.frameon": False, "savefig.dpi": 110})
-
-
-def rows(name):
-    path = os.path.join(HERE, name + ".csv")
-    if not os.path.exists(path):
-        return []
-    with open(path, newline="") as f:
-        return list(csv.DictReader(f))
-
-
-def save(figure, name, legend=None):
-    """Saves a figure, with the legend of some axes below all axes."""
-    if legend:
-        figure.legend(*legend.get_legend_handles_labels(), fontsize=7, ncol=6,
-                      loc="lower center")
-    figure.tight_layout(rect=(0, 0.1 if legend else 0, 1, 1))
-    figure.savefig(os.path.join(HERE, name + ".png"))
-    plt.close(figure)
-
-
-def number(row, key):
-    return float(row[key]) if row[key] else float("nan")
+PAGE = Page(HERE, 8)
+rows, save = PAGE.rows, PAGE.save
 
 
 def curve(axes, points, error, label, **style):
@@ -149,11 +124,7 @@ def stability():
     axes[0][5].plot([], [], color="black", label="theory's limit")
     axes[0][5].scatter([], [], marker="x", color="black",
                        label="blows up without it, caught")
-    figure.legend(*axes[0][5].get_legend_handles_labels(), ncol=6,
-                  loc="lower center", fontsize=8)
-    figure.tight_layout(rect=(0, 0.06, 1, 1))
-    figure.savefig(os.path.join(HERE, "stability.png"))
-    plt.close(figure)
+    save(figure, "stability", axes[0][5], 0.06, 8)
 
 
 def drift():

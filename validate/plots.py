@@ -1,30 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pictures of what build/validate wrote.  usage: plots.py DIRECTORY"""
-import csv
 import os
 import re
 import sys
 
-import matplotlib
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..",
+                                "bench"))
+from picture import COLOURS, Page  # noqa: E402: it lies in bench/
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
-from matplotlib import ticker
+import matplotlib.pyplot as plt  # noqa: E402: picture chooses how it draws
+from matplotlib import ticker  # noqa: E402
 
-HERE = sys.argv[1]
-COLOURS = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#d55e00", "#56b4e9",
-           "#999999", "#000000"]
-plt.rcParams.update({"font.size": 9, "axes.grid": True, "grid.alpha": 0.25,
-                     "axes.spines.top": False, "axes.spines.right": False,
-                     "legend.frameon": False, "savefig.dpi": 110})
-
-
-def rows(name):
-    path = os.path.join(HERE, name + ".csv")
-    if not os.path.exists(path):
-        return []
-    with open(path, newline="") as file:
-        return list(csv.DictReader(file))
+PAGE = Page(sys.argv[1], 9)
+rows = PAGE.rows
 
 
 def series(part, bits="64"):
@@ -47,9 +35,7 @@ def save(figure, name):
     for axes in figure.axes:
         if axes.get_xscale() == "log":
             plain(axes.xaxis)
-    figure.tight_layout()
-    figure.savefig(os.path.join(HERE, name + ".png"))
-    plt.close(figure)
+    PAGE.save(figure, name)
 
 
 def errors(axes, part, wanted, label):
