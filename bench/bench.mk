@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # What bench and validate measure, and the tables of oracle/README.md.
 
-.PHONY: bench validate tables price launches outcomes oracles many
+.PHONY: bench validate tables compare price launches outcomes oracles many
 MACHINE ?= $(shell uname -m)
 
 # Time against error, stability, skipped work: spec/accuracy.md. A few files
@@ -50,9 +50,14 @@ bench: $(BUILD)/check $(BUILD)/speed $(ACC) $(BUILD)/drape ## time, bytes, error
 	$(if $(GPU),$(BUILD)/accuracy --backend gpu bench/$(MACHINE) backends)
 	$(if $(GPU),$(MAKE) tables)
 # What bench/scenes.sh asks for may be given: make tables SCENES=lion_20k
-tables: $(BUILD)/drape ## on a device: the paper's figures, in bench/MACHINE
+tables: $(BUILD)/drape ## on a device: the paper's figures, in bench/MACHINE; steps
 	sh bench/scenes.sh $(BUILD) $(BUILD)/bench; status=$$?; \
-	  python3 bench/tables.py $(BUILD)/bench/results; exit $$status
+	  python3 bench/tables.py $(BUILD)/bench/results; \
+	  python3 bench/steps.py add $$(git rev-parse --short HEAD) "$$(nvidia-smi \
+	    --query-gpu=name --format=csv,noheader | head -n 1)" \
+	    $(BUILD)/bench/results/*.ours.json; exit $$status
+compare: ## A=tree B=tree: what steps take, side by side: bench/steps.csv
+	@python3 bench/steps.py $(A) $(B) $(SCENES)
 outcomes: $(BUILD)/drape ## whole scenes for 120 frames: table of bench/outcomes.md
 	sh bench/outcomes.sh $(BUILD)
 
