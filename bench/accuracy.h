@@ -130,7 +130,6 @@ void skip_table(struct bench *b);
 void skip_never(struct bench *b);
 void skip_sleep(struct bench *b);
 void part_stages(struct bench *b);
-void part_lion(struct bench *b);
 void part_backends(struct bench *b); /* only if the backend is a device */
 /* Runs the bare scene and prints seconds a step, bytes and hash, for
  * skip_never. */

@@ -173,7 +173,7 @@ def drift():
 
 def stages():
     products, solves = rows("products"), rows("solves")
-    impacts, distances = rows("impacts"), rows("distances")
+    distances = rows("distances")
     if not products or not solves or not distances:
         return
     figure, axes = plt.subplots(2, 2, figsize=(9.5, 7))

@@ -9,13 +9,12 @@ MACHINE ?= $(shell uname -m)
 ACC     := $(BUILD)/accuracy $(BUILD)/accuracy-bare
 ACC_O   := $(call obj,$(addprefix bench/,backends bench bisect contact drift \
            never newton orders parts runs samples skip solids stability stages stress \
-           work $(if $(HAS_APP),lion,no_app)),) \
+           work),) \
            $(call obj,bench/impact,.32) $(call obj,bench/forced,.64) \
            $(foreach p,.32 .64,$(call obj,bench/solves \
            $(addprefix tests/,base/reals cloth/sheet solve/solver solve/system),$(p))) \
-           $(call obj,tests/base/choices) $(if $(HAS_APP),$(filter-out \
-           $(BUILD)/app/tool/main.o,$(APP_O))) $(ORC_O) $(INSIDE)
-ACC_L   := $(if $(HAS_APP),$(APP_LIBS)) $(ORC_L) -lstdc++ -lm \
+           $(call obj,tests/base/choices) $(ORC_O) $(INSIDE)
+ACC_L   := $(ORC_L) -lstdc++ -lm \
            $(if $(GPU),$(CUDA_L))
 $(BUILD)/accuracy: $(ACC_O)
 	$(C17) $^ -o $@ $(ACC_L)

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Runs one part of bench/run.sh: a part of build/accuracy; or `bench`, which
 # times all stages and the narrow phase; or `speed`, which times whole scenes for
-# `drape plan`; or `counts` of scenes rich in contact. Prints how many seconds it took.
+# `drape plan`; or `counts` of scenes rich in contact; or `lion`, errors with contact.
+# Prints how many seconds it took.
 # usage: bench/part.sh BUILD OUT PART OPTIONS
 set -eu
 build=$1 out=$2 part=$3
@@ -25,6 +26,12 @@ if [ "$part" = speed ]; then
     python3 bench/speed.py "${cpu:-$(uname -m)}" "$(date -u +%Y-%m-%d)" \
         "$out/speed.csv" $reports
     echo "speed: $(($(date +%s) - start)) s"
+    exit
+fi
+if [ "$part" = lion ]; then
+    start=$(date +%s)
+    python3 bench/lion.py "$build/drape" "$out" "${BACKEND-ref}"
+    echo "lion: $(($(date +%s) - start)) s"
     exit
 fi
 if [ "$part" = counts ]; then

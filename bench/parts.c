@@ -15,12 +15,11 @@ static void part_skip(struct bench *b)
 static const struct part {
     const char *name;
     void (*run)(struct bench *b);
-} parts[] = {{"orders", part_orders},    {"work", part_work},
-             {"newton", part_newton},    {"stability", part_stability},
-             {"stress", part_stress},    {"contact", part_contact},
-             {"drift", part_drift},      {"skip", part_skip},
-             {"stages", part_stages},    {"lion", part_lion},
-             {"backends", part_backends}};
+} parts[] = {{"orders", part_orders}, {"work", part_work},
+             {"newton", part_newton}, {"stability", part_stability},
+             {"stress", part_stress}, {"contact", part_contact},
+             {"drift", part_drift},   {"skip", part_skip},
+             {"stages", part_stages}, {"backends", part_backends}};
 enum { PARTS = sizeof parts / sizeof *parts };
 
 static int usage(void)
@@ -28,7 +27,7 @@ static int usage(void)
     fputs("usage: accuracy [--quick] [--backend ref|gpu] DIRECTORY [PART...]\n"
           "Writes PART.csv: orders work newton stability stress contact drift "
           "skip\n"
-          "stages lion backends (default: all).\n",
+          "stages backends (default: all).\n",
           stderr);
     return 2;
 }
