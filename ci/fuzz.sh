@@ -86,9 +86,13 @@ soak)
     prepare
     status=0
     python3 ci/soak.py "$build" "$seconds" bench/fuzz.csv "$target" || status=1
-    "$out/$target" -merge=1 -max_len=8192 -close_fd_mask=3 \
-        "$build/corpus/$target" "$out/found-$target"
-    python3 fuzz/corpus.py pack "$target" "$build/corpus/$target"
+    merged=$out/merged-$target
+    rm -rf "$merged"
+    mkdir -p "$merged"
+    cp "$build/corpus/$target"/* "$merged" 2>/dev/null || : # a new target has none
+    "$out/$target" -merge=1 -max_len=8192 -close_fd_mask=3 "$merged" \
+        "$out/found-$target"
+    python3 fuzz/corpus.py pack "$target" "$merged"
     exit $status
     ;;
 esac
