@@ -3,7 +3,7 @@
 # sources, the rules and the library; included are ci/install.mk (the shared
 # library, what is installed, packages), ci/flavours.mk (other compilers and
 # flags: the only recursion), ci/fuzz.mk, ci/upkeep.mk, ci/python.mk and
-# ci/bench/bench.mk.
+# bench/bench.mk.
 
 BUILD  ?= build
 PREFIX ?= /usr/local
@@ -22,7 +22,7 @@ WARN   := -Wall -Wextra -Wpedantic $(WERROR)
 MODEL  := -ffp-contract=off -fno-math-errno -fno-fast-math
 COMMON  = $(OPT) $(CPPFLAGS) $(CFLAGS) $(WARN) $(MODEL) $(OPENMP) $(SAN) $(DEFINES) -I. -Ispec \
           -I$(BUILD) -MMD -MP -fPIC
-# A command is shown as a short line, `CC app/run.c`; V=1 shows it whole, -s not.
+# A command is shown as a short line, `CC app/tool/run.c`; V=1 shows it whole, -s not.
 MUTE   := $(findstring s,$(firstword -$(MAKEFLAGS)))
 show    = $(if $(V),,@$(if $(MUTE),,echo '$(1)';) )
 bits    = $(patsubst .%,$(comma) % bits,$(filter .32 .64,$(suffix $(basename $@))))
@@ -88,7 +88,9 @@ TWICE  := $(sort $(filter-out $(ONCE) tests/whole/%,$(wildcard tests/*/*.c)))
 DEVICE := gpu/compare/blas.cu $(addprefix gpu/run/,batch.cu copies.cu device.cu gather.cu \
           kernel.cu loop.cu memory.cu merge.cu branch.cu prim.cu stream.cu words.cu)
 KERNEL := $(sort $(filter-out $(DEVICE),$(wildcard gpu/*/*.cu)))
-APP    := $(sort $(wildcard app/*.c))
+# The tool in rooms, each of which includes itself and those before it.
+ROOMS  := base read scene write render tool
+APP    := $(sort $(wildcard $(ROOMS:%=app/%/*.c)))
 ORACLE := $(sort $(wildcard oracle/*.cpp oracle/*.c))
 APP_LIBS    := -lassimp -ljansson -lembree$(EMBREE) -lpng -lgmp -lm
 ORACLE_LIBS := -lfcl -lccd -lmpfr -lgmpxx -lgmp -lstdc++ -lm
@@ -183,12 +185,12 @@ $(BUILD)/certificate.h: FORCE
 	  echo 'NOT CERTIFIED (python3 and git must be there to tell)')\"" >$$new; \
 	  cmp -s $@ $$new && rm $$new || mv $$new $@
 # What steps cost on machines where they were measured, for `drape plan`: the rows
-# of ci/bench/MACHINE/speed.csv as literals.
-SPEEDS := $(sort $(wildcard ci/bench/*/speed.csv))
+# of bench/MACHINE/speed.csv as literals.
+SPEEDS := $(sort $(wildcard bench/*/speed.csv))
 $(BUILD)/speed.inc: $(SPEEDS) Makefile
 	@mkdir -p $(@D)
 	@for f in $(SPEEDS); do sed '1d;s/.*/"&\\n"/' $$f; done >$@
-$(BUILD)/app/speed.o: $(BUILD)/speed.inc
+$(BUILD)/app/tool/speed.o: $(BUILD)/speed.inc
 FORCE:
 $(BUILD)/gpu/api/absent.o $(BUILD)/gpu/run/emulate.o $(BUILD)/cuda/gpu/run/device.o: \
     $(BUILD)/certificate.h
@@ -233,20 +235,20 @@ $(BUILD)/5_share: $(BUILD)/5_share.o $(LIB)
 	$(C17) $^ -o $@ $(CUDA_L)
 
 include ci/install.mk ci/flavours.mk ci/fuzz.mk ci/upkeep.mk ci/python.mk \
-        ci/bench/bench.mk
+        bench/bench.mk
 
 check: ## everything that must hold
 	@python3 ci/check.py $(BUILD)
 # What its parts share, so that they can run side by side.
-check-parts: all $(ACC) $(BUILD)/validate $(BUILD)/whole.txt $(BUILD)/replay \
+check-parts: all $(ACC) $(BUILD)/validate $(BUILD)/whole.txt $(BUILD)/replay corpus \
     $(if $(HAS_ORACLE),$(BUILD)/frames)
 
 demo: $(BUILD)/drape ## drapes a cloth over the lion: pictures, film, report
 	@sh ci/demo.sh $(BUILD)
 
 help: ## this list
-	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile ci/*.mk ci/*/*.mk | expand -t 11
-	@echo 'tables also takes SCENES= FRAMES= MODES= LIMIT=: ci/bench/scenes.sh'
+	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile ci/*.mk bench/bench.mk | expand -t 11
+	@echo 'tables also takes SCENES= FRAMES= MODES= LIMIT=: bench/scenes.sh'
 	@echo "OPT=      '-O2 -g', say: for a debugger"
 	@echo 'V=1       shows whole commands'
 	@echo 'GPU=yes   with any of them: builds the device part without a device'
@@ -257,4 +259,4 @@ help: ## this list
   $(EMU_O) $(CUDA_O) $(PRICE_O) $(filter %.o,$(ACC_O)) \
   $(VAL_O))
 -include $(patsubst %.o,%.d,$(PARTS) $(BUILD)/fuzz/main.o \
-  $(BUILD)/ci/bench/narrow.32.o $(ROOT)/oracle/frames.o $(ROOT)/oracle/table.o)
+  $(BUILD)/bench/narrow.32.o $(ROOT)/oracle/frames.o $(ROOT)/oracle/table.o)

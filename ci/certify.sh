@@ -237,8 +237,9 @@ row driver "$(nvidia-smi --query-gpu=driver_version --format=csv,noheader |
 python3 ci/certificate.py plan "$work" "$out" "$build" || exit 1
 
 all_references
+make -s BUILD="$build" corpus
 while read -r stage; do
-    "$build/check-cuda" --certify fuzz/corpus --only "$stage" \
+    "$build/check-cuda" --certify "$build/corpus" --only "$stage" \
         >>"$work/certify.log" </dev/null || echo "$stage differs"
 done <"$work/stages"
 sed -n 's/^\(stage\) \(.*\) \(.*\) \(.*\) \(.*\) \(.*\)/\1\t\2\t\3\t\4\t\5\t\6/p' \

@@ -116,7 +116,7 @@ frame cloth-ball cloth_ball92 cloth_ball93 92
 frame cloth-funnel 227 228 227
 frame n-body-simulation balls16_18 balls16_19 18
 
-# Stanford's reconstructions nearest in size to what the numbers in ci/bench
+# Stanford's reconstructions nearest in size to what the numbers in bench
 # were measured with (100,000 triangles each), so counts and times will differ.
 if [ -x "$build/drape" ]; then
     statue buddha_100k happy/happy_recon.tar.gz happy_recon/happy_vrip_res3.ply

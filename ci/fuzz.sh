@@ -22,7 +22,7 @@ export OMP_WAIT_POLICY=passive OMP_NUM_THREADS=1
 prepare() {
     kernels=$out
     echo "fuzz: compiling with sanitizers into $out"
-    make -s -j"$(nproc)" BUILD="$build" "$build/replay" "$build/words.h"
+    make -s -j"$(nproc)" BUILD="$build" "$build/replay" "$build/words.h" corpus
     [ "${KERNELS-yes}" ] || {
         make -s -j"$(nproc)" BUILD="$build" "$build/check"
         kernels=$build
@@ -43,12 +43,12 @@ prepare() {
 }
 
 replay() {
-    make -s BUILD="$build" "$build/replay"
+    make -s BUILD="$build" "$build/replay" corpus
     passed=0 failed=0
     for t in $("$build/replay" --list); do
-        set -- fuzz/corpus/"$t"/*
+        set -- "$build/corpus/$t"/*
         [ -e "$1" ] || {
-            echo "FAILED fuzz/corpus/$t holds nothing"
+            echo "FAILED fuzz/corpus/$t.tar holds nothing"
             failed=$((failed + 1))
             continue
         }
@@ -58,7 +58,7 @@ replay() {
         case $line in
         *' passed, '*) ;;
         *)
-            echo "FAILED fuzz/corpus/$t: the replay died"
+            echo "FAILED fuzz/corpus/$t.tar: the replay died"
             line='0 passed, 1 failed'
             ;;
         esac
@@ -75,7 +75,7 @@ case $target in
 soak)
     prepare
     shift 3
-    python3 ci/soak.py "$build" "$seconds" ci/bench/fuzz.csv "$@"
+    python3 ci/soak.py "$build" "$seconds" bench/fuzz.csv "$@"
     ;;
 *)
     "$build/replay" --list | grep -qx "$target" || {
@@ -85,9 +85,14 @@ soak)
     }
     prepare
     status=0
-    python3 ci/soak.py "$build" "$seconds" ci/bench/fuzz.csv "$target" || status=1
-    "$out/$target" -merge=1 -max_len=8192 -close_fd_mask=3 \
-        "fuzz/corpus/$target" "$out/found-$target"
+    python3 ci/soak.py "$build" "$seconds" bench/fuzz.csv "$target" || status=1
+    merged=$out/merged-$target
+    rm -rf "$merged"
+    mkdir -p "$merged"
+    cp "$build/corpus/$target"/* "$merged" 2>/dev/null || : # a new target has none
+    "$out/$target" -merge=1 -max_len=8192 -close_fd_mask=3 "$merged" \
+        "$out/found-$target"
+    python3 fuzz/corpus.py pack "$target" "$merged"
     exit $status
     ;;
 esac

@@ -193,7 +193,7 @@ class Workshop:
     def same_objects(self):
         """Whether what was compiled anew is the base's, byte for byte, but for
         the objects that hold the digests of the code: these always differ."""
-        for part in ('ref/*', 'gpu/*', 'tests/*', 'app'):
+        for part in ('ref/*', 'gpu/*', 'tests/*', 'app/*'):
             for a in glob.glob(f'{self.base}/build/{part}/*.o'):
                 b = self.tree + a[len(self.base):]
                 with open(a[:-1] + 'd') as needs:

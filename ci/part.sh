@@ -136,8 +136,8 @@ clang-* | [tm]san)
 gcc-* | asan) flavour ;;
 format)
     needs clang-format 14
-    one sh -c 'ls app/*.[ch] app/examples/*.c* ci/bench/*.[ch] \
-        ci/validate/*.[ch] fuzz/*.[ch] gpu/*/* oracle/*.[ch]* \
+    one sh -c 'ls app/*/*.[ch] app/examples/*.c[pu]* bench/*.[ch] \
+        validate/*.[ch] fuzz/*.[ch] gpu/*/* oracle/*.[ch]* \
         python/core/*.[ch] ref/*/*.[ch] spec/*.h tests/*/*.[ch] |
         xargs clang-format --dry-run -Werror'
     ;;
@@ -151,7 +151,7 @@ python) with_tool sh python/check.sh "$build" ;;
 demo) with_tool sh ci/scenes.sh "$build" demo ;;
 counts)
     mkdir -p "$build/quick"
-    with_tool python3 ci/bench/counts.py "$tool" "$build/quick"
+    with_tool python3 bench/counts.py "$tool" "$build/quick"
     ;;
 buddha) with_tool sh ci/scenes.sh "$build" buddha ;;
 fuzz) count sh ci/fuzz.sh "$build" ;;

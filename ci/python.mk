@@ -6,12 +6,12 @@
 PY     := $(BUILD)/python
 PIP    := $(PY)/venv/bin/python -m pip install -q
 
-# The tool's reader of scenes and writer of runs, which the extension shares: all
-# of app/ but what wants libraries that these do not.
-CORE   := $(filter-out $(addprefix app/,assimp.c ccd.c main.c picture.c png.c \
-          pose.c render.c),$(APP))
+# The tool's reader of scenes and writer of runs, which the extension shares: its
+# rooms before render/, but for what assimp reads.
+CORE   := $(filter-out app/read/assimp.c app/read/pose.c app/render/% app/tool/%, \
+          $(APP)) python/core/log.c
 HAS_ASSIMP := $(call has,assimp/cimport.h)
-CORE   += $(if $(HAS_ASSIMP),app/assimp.c app/pose.c,python/core/absent.c)
+CORE   += $(if $(HAS_ASSIMP),app/read/assimp.c app/read/pose.c,python/core/absent.c)
 CORE_L := $(if $(HAS_ASSIMP),-lassimp) -ljansson -lpthread $(if $(GPU),$(CUDA_L),-lm)
 
 # Prints what setup.py links: objects and libraries, then macros; and the tool.

@@ -7,8 +7,9 @@ on where the last one stopped. A crash leaves its input, BUILD/fuzz/TARGET-crash
 
 usage: ci/soak.py BUILD SECONDS RECORD.csv [TARGET... | --turn]
 
-ci/fuzz.sh builds BUILD/fuzz/TARGET beforehand. --turn takes the targets whose turn it
-is at this commit: so CI, which forgets what it has run, comes to each.
+ci/fuzz.sh builds BUILD/fuzz/TARGET and unpacks BUILD/corpus beforehand. --turn takes
+the targets whose turn it is at this commit: so CI, which forgets what it has run,
+comes to each.
 """
 import csv
 import os
@@ -65,6 +66,7 @@ class Soak:
 
     def __init__(self, build, seconds, targets, record, jobs):
         self.out = os.path.join(build, "fuzz")
+        self.corpora = os.path.join(build, "corpus")
         self.end = time.monotonic() + seconds
         self.targets, self.record, self.jobs = targets, record, jobs
         self.running = {}  # target: process, its log, when it began
@@ -80,7 +82,7 @@ class Soak:
 
     def begin(self, target, seconds):
         found = os.path.join(self.out, f"found-{target}")
-        corpus = os.path.join("fuzz/corpus", target)
+        corpus = os.path.join(self.corpora, target)
         for folder in (found, corpus):
             os.makedirs(folder, exist_ok=True)
         log = open(os.path.join(self.out, f"{target}.log"), "wb")

@@ -28,7 +28,8 @@ soak: check-parts ## the tests under sanitizers, and their long forms
 	DRAPE_SOAK=1 $(BUILD)/check --tests
 
 format: ## clang-format everything in place
-	clang-format -i $(wildcard app/*.[ch] app/examples/*.c* ci/validate/*.[ch] fuzz/*.[ch] \
+	clang-format -i $(wildcard app/*/*.[ch] app/examples/*.c[pu]* bench/*.[ch] \
+	  validate/*.[ch] fuzz/*.[ch] \
 	  gpu/*/* oracle/*.[ch]* python/core/*.[ch] ref/*/*.[ch] spec/*.h tests/*/*.[ch])
 
 # The analyzer's search is cut at 20000 nodes (225000 usually) for the time
@@ -39,5 +40,5 @@ TIDY := -std=c17 -I. -Ispec -I$(BUILD) -D_POSIX_C_SOURCE=200809L \
 # Python.h is not everywhere.
 TIDY_CORE := $(filter-out %/tensor.c,$(wildcard python/core/*.c))
 tidy: $(BUILD)/words.h $(BUILD)/speed.inc $(NAMES) ## clang-tidy over our C
-	ls app/*.c app/examples/*.c fuzz/*.c $(TIDY_CORE) ref/*/*.c tests/*/*.c | \
+	ls app/*/*.c fuzz/*.c $(TIDY_CORE) ref/*/*.c tests/*/*.c | \
 	  xargs -P2 -n8 sh -c 'clang-tidy --quiet "$$@" -- $(TIDY) 2>/dev/null' sh

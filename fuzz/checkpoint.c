@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Fuzzes the checkpoint of a run with any bytes: it is refused, or the run goes
  * on from it and its report is valid JSON. */
-#include "app/checkpoint.h"
+#include "app/write/checkpoint.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/app.h"
+#include "app/base/app.h"
 #include "fuzz/files.h"
 
 static const char *folder_of(char folder[FILES_PATH])

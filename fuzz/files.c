@@ -8,7 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "app/app.h"
+#include "app/base/app.h"
 
 static char folder[64];
 static long owner; /* process that made the folder; a child process does not

@@ -6,7 +6,7 @@
 
 #include <stdbool.h>
 
-#include "app/scene.h"
+#include "app/scene/scene.h"
 #include "fuzz/fuzz.h"
 
 enum { FILES_PATH = 128 };

@@ -6,8 +6,8 @@
 #include <string.h>
 #include <time.h>
 
-#include "app/app.h"
-#include "app/json.h"
+#include "app/base/app.h"
+#include "app/read/json.h"
 #include "fuzz/files.h"
 
 const struct target fuzz_readers[] = {

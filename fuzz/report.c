@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/app.h"
-#include "app/model.h"
-#include "app/report.h"
+#include "app/base/app.h"
+#include "app/render/model.h"
+#include "app/write/report.h"
 #include "fuzz/draw.h"
 #include "fuzz/files.h"
 

@@ -14,7 +14,7 @@ import cffi
 
 ROOT = Path(__file__).resolve().parent.parent
 
-# The fields of app/scene.h that Python reads or sets; "..." lets the compiler
+# The fields of app/scene/scene.h that Python reads or sets; "..." lets the compiler
 # place them.
 SCENE = """
 struct camera { double eye[3], target[3]; double fov; ...; };

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Whether ci/check.py tells each failure by its name, and again at its end, and
-whether ci/soak.py records what it ran: both in a tree of made-up parts.
+whether ci/soak.py records what it ran, both in a tree of made-up parts; whether an
+archive of fuzz/corpus follows from its inputs alone, and gains each of them once.
 
 usage: tests/harness.py; ends with `N passed, N failed`
 """
@@ -11,7 +12,8 @@ import sys
 import tempfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-sys.path.insert(0, os.path.join(ROOT, "ci"))
+sys.path[:0] = [os.path.join(ROOT, "ci"), os.path.join(ROOT, "fuzz")]
+import corpus  # noqa: E402: it lies in fuzz/
 import soak  # noqa: E402: it lies in ci/
 
 MANY = "\n".join(f"print('FAILED check {k}: bad\\n  why {k}')" for k in range(50))
@@ -118,10 +120,31 @@ def soaks():
     check("soak: the third turn", soak.of_this_turn(targets, 3) == list("rst"))
 
 
+def archives():
+    """Those of the tree, written again, and one that gains inputs."""
+    paths = [os.path.join(corpus.CORPORA, name) for name in os.listdir(corpus.CORPORA)]
+    for path in paths:
+        corpus.write("again.tar", corpus.read(path))
+        same = [open(each, "rb").read() for each in (path, "again.tar")]
+        check(f"corpus: {path}, written again", same[0] == same[1] and
+              path.endswith(".tar") and corpus.read(path))
+    check("corpus: there are archives", len(paths) > 50)
+    write("one", "1")
+    write("two", "2")
+    for name, files, more in (("a", ["one"], 1), ("a", ["two", "one"], 1),
+                              ("a", ["one"], 0), ("b", ["two", "one"], 2)):
+        count = corpus.add(f"{name}.tar", corpus.files(files))
+        check(f"corpus: {files} make {more} more in {name}", count == more)
+    check("corpus: the order does not show", corpus.read("a.tar") ==
+          {"one": b"1", "two": b"2"} and
+          open("a.tar", "rb").read() == open("b.tar", "rb").read())
+
+
 with tempfile.TemporaryDirectory() as folder:
     os.chdir(folder)
     checks()
     soaks()
+    archives()
     os.chdir(ROOT)
 print(f"{counts[0]} passed, {counts[1]} failed")
 sys.exit(counts[1] > 0)

@@ -17,12 +17,14 @@ ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 sys.path.insert(0, os.path.join(ROOT, "ci"))
 import mutate  # noqa: E402: it lies in ci/
 
-ROOMS = ("ref", "gpu", "tests", "spec")
+ROOMS = ("ref", "gpu", "tests", "spec", "app")
+# The rooms of app/, each of which includes itself and those before it.
+TOOL = ("base", "read", "scene", "write", "render", "tool")
 MOST_FILES = 30    # in a room
 MOST_HEADERS = 40  # of ours that a .cu file sees
 C = (".c", ".h", ".cu", ".cuh", ".cpp", ".def")
 SCRIPTS = (".sh", ".py", ".mk", "Makefile", ".ci/run")
-LOGS = ("ci/bench/h200/", "CHANGELOG")  # they tell of trees that were
+LOGS = ("bench/h200/", "CHANGELOG")  # they tell of trees that were
 SUFFIX = r"(?:c|h|cu|cuh|cpp|md|sh|py|def|gappa|mk)"
 FILE = re.compile(r"(?<![\w./<*-])((?:[\w-]+/)*[\w-]+\." + SUFFIX + r")(?![\w/])")
 CITED = re.compile(r"(?P<page>(?:[\w-]+/)*[\w-]+\.md)|§ ?(?P<n>\d+(?:\.\d+)*)")
@@ -74,7 +76,7 @@ def comments(path, text):
 def sources(texts):
     return [path for path in texts if path.endswith(C + SCRIPTS) and
             path.split("/")[0] in ("ref", "gpu", "tests", "app", "fuzz", "oracle",
-                                   "ci", "spec", "Makefile")]
+                                   "ci", "bench", "validate", "spec", "Makefile")]
 
 
 def pages(texts):
@@ -435,6 +437,21 @@ def check_order(texts):
         for path, name in listed if (path, name) not in up]
 
 
+def check_tool(texts):
+    """No file of the tool includes one of a room behind its own."""
+    seen, faults = 0, []
+    for path, named in includes(texts).items():
+        mine = path.split("/")
+        if mine[0] != "app" or mine[1] not in TOOL:
+            continue
+        for name in named:
+            room = name.split("/")[1] if name.startswith("app/") else TOOL[0]
+            seen += 1
+            if room not in TOOL[:TOOL.index(mine[1]) + 1]:
+                faults.append(f"{path} includes {name}, of a room behind its own")
+    return seen, faults
+
+
 def check_circles(texts):
     """A header and the source of its name are one file here: no such files
     include each other in a circle. A header without a source is nobody's."""
@@ -580,7 +597,7 @@ def check_commands(texts):
 
 
 CHECKS = (check_diagram, check_flow, check_stages, check_files, check_citations, check_rooms,
-          check_order, check_circles, check_headers, check_banners, check_numbers,
+          check_order, check_tool, check_circles, check_headers, check_banners, check_numbers,
           check_equivalents, check_targets, check_constants, check_commands)
 
 
@@ -623,10 +640,11 @@ def planted(texts):
     yield check_citations, add(home, "/* zones.md §1, §99 */\n")
     yield check_citations, add(home, "/* nothing.md §1 */\n")
     yield check_citations, add(home, "/* §1 Another thing */\n")
-    yield check_citations, add("app/main.c", "/* §1: of no page. */\n")
+    yield check_citations, add("app/tool/main.c", "/* §1: of no page. */\n")
     yield check_citations, add(page, "\nSee zones.md §99.\n")
     yield check_citations, edit(page, "\n1. ", "\n7. ")
     yield check_rooms, {f"ref/cloth/more{k}.c": "" for k in range(MOST_FILES)}
+    yield check_tool, add("app/read/mesh.c", '#include "app/scene/look.h"\n')
     yield check_circles, add("ref/base/keys.c", '#include "ref/contact/impulses.h"\n')
     for path, name in (("ref/base/keys.c", "ref/cloth/cloth.h"),
                        ("gpu/solve/pcg.cuh", "ref/world/state.h")):

@@ -27,10 +27,10 @@ _items: list[tuple[str, str, str]] = []  # Blender needs them kept
 
 @functools.cache
 def fabrics() -> dict[str, str]:
-    """The fabrics of drape, with what each is: app/fabrics.def, which is packed."""
+    """The fabrics of drape, with what each is: app/scene/fabrics.def, which is packed."""
     here = Path(__file__).resolve().parent
     table = here / "fabrics.def"
-    table = table if table.exists() else here.parent / "fabrics.def"
+    table = table if table.exists() else here.parent / "scene/fabrics.def"
     row = r'FABRIC\("([^"]+)",[^"]*"([^"]*)"'
     return dict(re.findall(row, table.read_text(encoding="utf-8")))
 

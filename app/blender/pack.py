@@ -12,7 +12,7 @@ import zipfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-FILES = ("__init__.py", "bake.py", "grid.py", "../fabrics.def")
+FILES = ("__init__.py", "bake.py", "grid.py", "../scene/fabrics.def")
 
 
 def pack(out: Path, wheels: list[Path]) -> None:

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stands in for app/assimp.c where assimp is not installed. */
-#include "app/import.h"
+/* Stands in for app/read/assimp.c where assimp is not installed. */
+#include "app/read/import.h"
 
 #include <string.h>
 #include <unistd.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The scene of a world to which bodies are added, or from which they are
  * removed: core.h. */
-#include "app/app.h"
+#include "app/base/app.h"
 #include "python/core/core.h"
 
 #include <string.h>

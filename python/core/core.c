@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Scenes and queries for the Python package: core.h. */
 #include "python/core/core.h"
-#include "app/app.h"
+#include "app/base/app.h"
 
 #include <stdarg.h>
 #include <stdlib.h>
@@ -12,7 +12,7 @@ static _Thread_local struct said {
     char error[2048], notes[4096], told[4096];
 } said;
 
-/* The linker puts this in the place of `complain` (app/app.h), as setup.py
+/* The linker puts this in the place of `complain` (app/base/app.h), as setup.py
  * tells it: a library has no standard error of its own. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))

@@ -5,7 +5,7 @@
 #ifndef PYTHON_CORE_CORE_H
 #define PYTHON_CORE_CORE_H
 
-#include "app/scene.h"
+#include "app/scene/scene.h"
 
 /* CORE_BEGIN */
 
@@ -24,7 +24,7 @@ void core_free(struct scene *scene);
  * The scene must outlive the world. */
 int core_create(struct scene *scene, drape_world **world);
 
-/* app/fabrics.h */
+/* app/scene/fabrics.h */
 const char *fabric_at(int k, drape_material *out, const char **what);
 
 enum core_kind { CORE_CLOTH, CORE_OBSTACLE };
@@ -36,7 +36,20 @@ int core_add(struct scene *scene, enum core_kind kind, const void *body,
 /* Takes a body, numbered as in drape_remove, out of a scene. */
 void core_remove(struct scene *scene, int body);
 
-/* The files of a run, as `drape run` writes them (app/output.h). */
+/* What a piece of a log is, in the pieces in which drape_replay reads it: data
+ * of the call before, or the head of a call. *body: of a call that removes a
+ * body, its number. The piece behind the head of a call that adds a cloth or an
+ * obstacle begins with its drape_cloth or drape_obstacle. */
+enum core_log {
+    CORE_LOG_DATA,
+    CORE_LOG_CALL, /* that changes no list of bodies */
+    CORE_LOG_CLOTH,
+    CORE_LOG_OBSTACLE,
+    CORE_LOG_REMOVE
+};
+enum core_log core_log_piece(const void *piece, size_t bytes, int64_t *body);
+
+/* The files of a run, as `drape run` writes them (app/write/output.h). */
 typedef struct core_run core_run;
 /* What a run has and does beside its frames; each 0 or 1. */
 typedef struct core_run_how {

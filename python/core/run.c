@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A run's files, written from Python as the tool writes them: core.h. */
-#include "app/app.h"
-#include "app/checkpoint.h"
-#include "app/output.h"
+#include "app/base/app.h"
+#include "app/write/checkpoint.h"
+#include "app/write/output.h"
 #include "python/core/core.h"
 
 #include <stdlib.h>

@@ -69,7 +69,7 @@ def choices(text: str, name: str) -> str:
 
 def keys(file: str, mark: str) -> list[tuple[str, str, str]]:
     """Returns (key, type, range) of the rows of a table of the scene's reader."""
-    text = (ROOT / "app" / file).read_text(encoding="utf-8")
+    text = (ROOT / "app/scene" / file).read_text(encoding="utf-8")
     tables = re.findall(r"json_key \w+\[\] = \{(.*?)\{0\}", text, re.DOTALL)
     table = next(each for each in tables if mark in each)
     # a macro of the file's own that stands for a number of its argument's name
@@ -88,7 +88,7 @@ def keys(file: str, mark: str) -> list[tuple[str, str, str]]:
             limits = choices(text, words[-1])
         rows.append((key, what, limits))
     if not rows:
-        raise ValueError(f"app/{file}: a table of keys that this cannot read: {mark}")
+        raise ValueError(f"app/scene/{file}: cannot read the table of keys of {mark}")
     return rows
 
 

@@ -17,7 +17,7 @@ from ._core import ffi, lib
 from ._library import Calls
 from .errors import SceneError, check_code, warn
 
-TIMES = 100  # app/obstacle.c
+TIMES = 100  # app/scene/obstacle.c
 
 
 class Handle:

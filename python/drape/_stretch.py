@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Warns of cloths that are stretched beyond what fabrics bear, as the tool does at the
-end of a run (app/stretch.c): their springs do not tear, and their steps are clean."""
+end of a run (app/write/stretch.c): springs do not tear, and such steps are clean."""
 
 from __future__ import annotations
 

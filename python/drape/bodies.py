@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import os
 import reprlib
-import struct
 import weakref
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -42,13 +41,6 @@ class Body:
     triangles: slice
     particles: tuple[int, int] | None = None
     size: tuple[float, float] | None = None
-
-
-# What each record of a log begins with, its magic, and the kinds of those that
-# change bodies (ref/api/record.h, record.c).
-HEAD = struct.Struct("=4sIqqQQ")
-MAGIC = b"drL2"
-CLOTH, MESH, REMOVE = 11, 12, 13
 
 
 def means(body: object, number: int, each: Any) -> bool:
@@ -174,29 +166,6 @@ class Bodies:
             told.status = refused.status
             raise told from None
         return [each for each in self.bodies if each.kind == kind][number]
-
-    def _follow(self, reads: list[memoryview], done: bool) -> None:
-        """Brings the scene up to the changes of bodies in what a replay has read,
-        of which the last call has failed unless it is done."""
-        scene, changed = self._open().scene, False
-        heads = [
-            at
-            for at, read in enumerate(reads)
-            if len(read) == HEAD.size and bytes(read[:4]) == MAGIC
-        ]
-        for at in heads if done else heads[:-1]:
-            _, kind, where, *_ = HEAD.unpack(reads[at])
-            if kind == REMOVE:
-                lib.core_remove(scene, where)
-            elif kind in (CLOTH, MESH):
-                name = "drape_cloth" if kind == CLOTH else "drape_obstacle"
-                new = ffi.new(f"{name} *")
-                ffi.buffer(new)[:] = reads[at + 1][: ffi.sizeof(name)]
-                sort = lib.CORE_CLOTH if kind == CLOTH else lib.CORE_OBSTACLE
-                check_code(lib.core_add(scene, sort, new, ffi.NULL))
-            changed |= kind in (CLOTH, MESH, REMOVE)
-        if changed:
-            self._changed()
 
     def _changed(self) -> None:
         """Takes note of other bodies."""

@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Live control: calls between two steps that change a world from the next step
-on, and wake it (spec/control/control.md); the contacts of the last step; and logs
-that replay a session bit for bit."""
+on, and wake it (spec/control/control.md), and the contacts of the last step."""
 
 from __future__ import annotations
 
 import dataclasses
 import reprlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -22,9 +21,9 @@ from ._signals import Held
 from .arrays import address, order
 from .bodies import Body, means
 from .contacts import ROW, Contacts
-from .errors import CheckpointError, Error, SceneError, check
+from .errors import SceneError, check
 from .fabrics import materials
-from .reports import Status, StepReport
+from .reports import Status
 
 
 def _copied(pointer: Any, count: int, kind: np.dtype[Any]) -> NDArray[Any]:
@@ -131,28 +130,11 @@ class Control:
 
     _calls: Calls
     bodies: tuple[Any, ...]
-    _log: Calls | None = None
-    _now: tuple[int, float]
 
     def _open(self) -> Handle:
         raise NotImplementedError
 
     def _refresh(self) -> None:
-        raise NotImplementedError
-
-    def _done(self, report: Any) -> StepReport:
-        raise NotImplementedError
-
-    def _begin(self) -> None:
-        raise NotImplementedError
-
-    def _may_change(self) -> None:
-        raise NotImplementedError
-
-    def _clock(self) -> tuple[int, float]:
-        raise NotImplementedError
-
-    def _follow(self, reads: list[memoryview], done: bool) -> None:
         raise NotImplementedError
 
     def _one(self, body: int | str | Any, kind: str) -> tuple[int, Any]:
@@ -401,53 +383,3 @@ class Control:
             dt=c.dt,
             body_impulses=flat.reshape(-1, 3),
         )
-
-    def start_log(self) -> None:
-        """Begins a log: the state now, and then all that changes the world."""
-        log = Calls(None, None)  # a checkpoint that is made meanwhile is not in it
-        with Held():
-            self._call("drape_record", "log", lib.core_write, log.pointer)
-            self._log = log
-
-    def end_log(self) -> bytes:
-        """Ends the log and returns it; `replay` takes it."""
-        if self._log is None:
-            raise Error("log: none was begun")
-        with Held():
-            self._call("drape_record", "log", ffi.NULL, ffi.NULL)
-            log, self._log = self._log, None
-        return bytes(log.written)
-
-    def replay(self, log: bytes) -> Iterator[StepReport]:
-        """Makes the calls of a log again, and returns the report of each step
-        when it is done. The bits are those of the world that was logged. Bodies
-        that the log adds are called "cloth" and "obstacle"."""
-        unread = memoryview(log)
-        self._may_change()
-        self._begin()
-        while True:
-            with Held():
-                status, unread, report = self._replay_step(unread)
-            if status == Status.EIO or (status == 0 and unread):
-                raise CheckpointError("log: it ends within a call")
-            if check(status, "log") == 0:
-                return
-            yield report
-
-    def _replay_step(self, unread: memoryview) -> tuple[int, memoryview, Any]:
-        """Makes the calls of a log up to and with the next step. Returns the
-        library's status, the rest of the log, and the step's report."""
-        c, handle, calls = ffi.new("drape_step_report *"), self._open(), self._calls
-        with handle.lock:
-            calls.unread, calls.reads = unread, []
-            status = lib.drape_replay(
-                handle.world, lib.core_read_bytes, calls.pointer, c
-            )
-            unread, calls.unread = calls.unread, memoryview(b"")
-            reads, calls.reads = calls.reads, None
-            self._now = self._clock()  # it may have led elsewhere
-            self._follow(reads, status >= 0)
-            self._refresh()
-            report = self._done(c) if status > 0 else None
-            calls.raise_kept()
-        return status, unread, report

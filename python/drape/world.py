@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _whole
 from . import scene as scenes
 from ._closing import Closing
 from ._core import ffi, lib
@@ -25,10 +24,11 @@ from ._stretch import Stretch
 from .arrays import SharedArray, address, order
 from .bodies import Bodies
 from .control import Control, fault_of, told
-from .errors import CheckpointError, DivergedError, Error, SceneError, check, warn
+from .errors import DivergedError, Error, SceneError, check, warn
 from .mesh import Audit, audit
 from .record import Recorder, picture
-from .reports import PARTS, Memory, Outcome, PlanRow, Status, StepReport, Work
+from .reports import PARTS, Memory, Outcome, PlanRow, StepReport, Work
+from .saved import Saved
 
 NOT_CLEAN = Outcome.TRAPPED | Outcome.PASSED | Outcome.DIVERGED
 
@@ -92,7 +92,7 @@ def _plain_wind(c: Any) -> dict[str, Any]:
     return {**_plain(c), "velocity": list(c.velocity)}
 
 
-class World(Bodies, Control, Closing):
+class World(Bodies, Control, Saved, Closing):
     """A scene that was made, and its state, which `step` advances.
 
     Calls on one world from several threads follow one another; worlds are
@@ -418,7 +418,7 @@ class World(Bodies, Control, Closing):
         work that still reads a `SharedArray`."""
         order(ffi.cast("void *", stream), self.stream or 1)
 
-    # Plan, memory, checkpoints
+    # Plan and memory
 
     def plan(self) -> list[PlanRow]:
         """Returns the stages, whether the scene uses each, and why."""
@@ -442,59 +442,6 @@ class World(Bodies, Control, Closing):
         with self._guard:
             check(lib.drape_count(self._world, c), "memory")
         return Memory(**_plain(c))
-
-    def checkpoint(self) -> bytes:
-        """Returns a checkpoint of the state, which `restore` takes."""
-        with self._guard:
-            self._calls.written = bytearray()
-            status = lib.drape_save(self._world, lib.core_write, self._calls.pointer)
-            data, self._calls.written = self._calls.written, bytearray()
-        check(status, "checkpoint")
-        return bytes(data)
-
-    def restore(self, data: bytes) -> None:
-        """Replaces the state by a checkpoint's. The world continues with the
-        same bits as the one that was saved, which had the same scene; backend
-        and threads may differ.
-
-        Raises:
-            CheckpointError: it is damaged, or of another scene
-        """
-        self._may_change()
-        with Held():
-            before = self.checkpoint()
-            left = self._restore(data)
-            if left:
-                self._restore(before)
-            else:
-                self._report = None
-            self._refresh()
-        if left:
-            raise CheckpointError(f"checkpoint: {left} bytes behind its end")
-
-    def _restore(self, data: bytes) -> int:
-        """Loads a checkpoint and returns how many bytes are behind its end."""
-        calls = self._calls
-        with self._guard:
-            calls.unread = memoryview(data)
-            status = lib.drape_load(self._world, lib.core_read_bytes, calls.pointer)
-            left, calls.unread = len(calls.unread), memoryview(b"")
-            self._now = self._clock()
-        if status == Status.EIO:
-            raise CheckpointError("checkpoint: it ends too early")
-        check(status, "checkpoint")
-        return left
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes a checkpoint to a file, which appears complete or not at all."""
-        _whole.write(path, self.checkpoint())
-
-    def load(self, path: str | os.PathLike[str]) -> None:
-        """Replaces the state by that of a file that `save` wrote."""
-        try:
-            self.restore(Path(path).read_bytes())
-        except CheckpointError as error:
-            raise CheckpointError(f"{os.fspath(path)}: {error}") from error
 
     # Exact checks, files and pictures
 

@@ -40,7 +40,7 @@ ARRAYS = {*scenes.CLOTH_ARRAYS, *scenes.OBSTACLE_ARRAYS}
 
 @pytest.mark.parametrize("kind", TABLES, ids=lambda kind: kind.__name__)
 def test_the_fields_are_the_readers_keys(kind: Any) -> None:
-    text = (ROOT / "app" / TABLES[kind]).read_text()
+    text = (ROOT / "app/scene" / TABLES[kind]).read_text()
     tables = re.findall(r"json_key \w+\[\] = \{(.*?)\{0\}", text, re.DOTALL)
     keys = [set(re.findall(r'[A-Z]+_KEY\("(\w+)"', table)) for table in tables]
     assert {field.name for field in dataclasses.fields(kind)} - ARRAYS in keys
@@ -59,7 +59,7 @@ def test_fabrics_are_the_tools() -> None:
 
 
 def test_a_materials_fields_are_the_readers_keys() -> None:
-    text = (ROOT / "app/cloth.c").read_text()
+    text = (ROOT / "app/scene/cloth.c").read_text()
     table = text[text.index('NESTED_KEY("name", 0, read_fabric)') :].split("{0}")[0]
     keys = {"name", "stretch", "limit", *re.findall(r"MATERIAL\((\w+),", table)}
     assert keys == {field.name for field in dataclasses.fields(drape.Material)}

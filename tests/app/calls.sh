@@ -6,7 +6,7 @@
 # Read by tests/app.sh, whose functions it calls.
 
 # A library in which every second call to read, write or waitpid is interrupted, and
-# the others do 1,000 bytes; and which changes a reader's reply (app/import.h): 8 bytes
+# the others do 1,000 bytes; and which changes a reader's reply (app/read/import.h): 8 bytes
 # at $AT become the number $TO.
 cat >seldom.c <<'EOF'
 #define _GNU_SOURCE

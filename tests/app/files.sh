@@ -249,9 +249,16 @@ failed=$((failed + $(echo "$line" | cut -d' ' -f3)))
 
 # The tables of the paper's figures, made from a very small scene.
 is 'runs for the tables' sh -c 'cd "$1" && SCENES=tiny CONTACT=sphere \
-    FRAMES=6 SHORT=4 EVERY=2 STEPS=1 THREADS="1 2" BACKEND=ref sh ci/bench/scenes.sh \
+    FRAMES=6 SHORT=4 EVERY=2 STEPS=1 THREADS="1 2" BACKEND=ref sh bench/scenes.sh \
     "${2%/*}" "$3/bench"' sh "$root" "$drape" "$work"
-is 'tables of them' python3 "$root/ci/bench/tables.py" bench/results tables
+is 'tables of them' python3 "$root/bench/tables.py" bench/results tables
+cp "$root/bench/steps.csv" .
+is 'rows of them' python3 "$root/bench/steps.py" --file steps.csv add mine card \
+    bench/results/*.ours.json bench/results/*.ours.json
+is 'a row a scene, once' sh -c '[ $(grep -c ",mine,.*,card,.*,2\$" steps.csv) -eq \
+    $(ls bench/results/*.ours.json | wc -l) ]'
+is 'a tree beside itself' sh -c 'python3 "$1" --file steps.csv mine min | tail -n 1 |
+    grep -q "1.00   1.00   1.00$"' sh "$root/bench/steps.py"
 is 'steps of frames 5 and 6 by the reference, the same' sh -c \
     '[ "$(cut -d, -f1-4,8 tables/figure12.csv | tr "\n" " ")" = "scene,from \
 step,steps,threads,same counts and energies tiny,5,1,1,yes tiny,5,1,2,yes " ]'

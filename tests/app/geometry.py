@@ -62,14 +62,19 @@ def write(path):
                        {"time": 0}, {"time": 1, "move": [0, 1, 0]}]}]}, file)
 
 
-def load(path):
-    """Vertices and triangles of a binary PLY."""
-    with open(path, "rb") as file:
-        head, body = file.read().split(b"end_header\n", 1)
+def parse(data):
+    """Vertices and triangles of a binary PLY's bytes."""
+    head, body = data.split(b"end_header\n", 1)
     nv = int(head.split(b"element vertex ")[1].split()[0])
     size, number = (24, "d") if b"double x" in head else (12, "f")
     x = list(struct.iter_unpack("<3" + number, body[:size * nv]))
     return x, [t[1:] for t in struct.iter_unpack("<B3i", body[size * nv:])]
+
+
+def load(path):
+    """The same of a file."""
+    with open(path, "rb") as file:
+        return parse(file.read())
 
 
 def bodies(run, kind, frame):

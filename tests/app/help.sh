@@ -30,7 +30,7 @@ for command in run plan audit render ccd convert; do
     "$drape" help $command >out
     sed 's/\\-/-/g' "$root/app/drape.1" >manual
     options=$(sed -n 's/.*_OPTION("\(--[a-z-]*\)",.*/\1/p' \
-        "$root/app/$command.c")
+        "$root/app/tool/$command.c")
     is "$command has options" test -n "$options"
     for o in $options; do
         is "help and manual have $command $o" sh -c \

@@ -238,7 +238,7 @@ assert [line.split()[0] for line in said[::2]] == [line[0] for line in told]
 for row, line in zip(rows, said[::2]):
     assert row[7].startswith("\"" + line[12:]), (line, row)
 assert all(line[:12] == 12 * " " and line[12:].strip() for line in said[1::2])' \
-    "$root/app/fabrics.def"
+    "$root/app/scene/fabrics.def"
 refused 'materials takes no argument' 'no argument' materials denim
 fabric named.json '"denim"'
 fabric same.json '{"density": 0.324, "stretch": 641.8, "shear": 26.7,

@@ -16,6 +16,8 @@ import math
 import struct
 import sys
 
+from geometry import load
+
 # A triangle of three vertices, as far apart as they are easy to tell.
 REST = [(0, 0, 0), (1, 0, 0), (0, 2, 0)]
 
@@ -263,32 +265,19 @@ def expected(kind, s):
     return REST
 
 
-def read_ply(path):
-    with open(path, "rb") as file:
-        data = file.read()
-    at = data.index(b"end_header\n") + 11
-    n = int(data[:at].split(b"element vertex ")[1].split()[0])
-    return [struct.unpack_from("<3f", data, at + 12 * k) for k in range(n)]
-
-
 def check(kind, folder):
     for frame in (0, 15, 30, 60, 80):
         name = "obstacles.ply" if kind == "still" else \
             f"frames/obstacles_{frame:04d}.ply"
-        got = sorted(read_ply(f"{folder}/{name}"))
+        got = sorted(load(f"{folder}/{name}")[0])
         for a, b in zip(got, sorted(expected(kind, frame / 60))):
             assert max(abs(x - y) for x, y in zip(a, b)) < 2e-6, (frame, got)
 
 
-def load(path):
+def corners(path):
     """The triangles as tuples of three corners."""
-    with open(path, "rb") as file:
-        head, body = file.read().split(b"end_header\n", 1)
-    count = {line.split()[1]: int(line.split()[2])
-             for line in head.decode().splitlines() if line[:7] == "element"}
-    x = list(struct.iter_unpack("<3f", body[:12 * count["vertex"]]))
-    faces = struct.iter_unpack("<B3i", body[12 * count["vertex"]:])
-    return [tuple(x[v] for v in face[1:]) for face in faces]
+    x, faces = load(path)
+    return [tuple(x[v] for v in face) for face in faces]
 
 
 def near(a, b):
@@ -298,7 +287,7 @@ def near(a, b):
 
 
 def compare(a, b):
-    one, other = load(a), load(b)
+    one, other = corners(a), corners(b)
     if not one or len(one) != len(other):
         sys.exit(f"{len(one)} and {len(other)} triangles")
     for k, pair in enumerate(zip(one, other)):

@@ -9,6 +9,8 @@ import struct
 import subprocess
 import sys
 
+from geometry import parse
+
 TYPES = {"char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i",
          "uint": "I", "float": "f", "double": "d", "int8": "b", "uint8": "B",
          "int16": "h", "uint16": "H", "int32": "i", "uint32": "I",
@@ -62,10 +64,7 @@ def read(drape, path):
     """What the tool makes of it: the vertices and triangles of PLY."""
     done = subprocess.run([drape, "convert", path, "-"], capture_output=True)
     assert done.returncode == 0, (path, done.stderr)
-    head, body = done.stdout.split(b"end_header\n", 1)
-    nv = int(head.split(b"element vertex ")[1].split()[0])
-    return (list(struct.iter_unpack("<3f", body[:12 * nv])),
-            [t[1:] for t in struct.iter_unpack("<B3i", body[12 * nv:])])
+    return parse(done.stdout)
 
 
 def stood(x):

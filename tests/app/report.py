@@ -16,7 +16,7 @@ import struct
 import subprocess
 import sys
 
-# The header of app/checkpoint.h and drape_step_report, in the host's layout.
+# The header of app/write/checkpoint.h and drape_step_report, in the host's layout.
 HEADER = struct.Struct("@16s Q Q q d 3d 2d 2i")
 ROW = struct.Struct("@q d 4i d 2i 6q 3d 5d 4i 6q")
 OUTCOME, SECONDS, WORK = 2, slice(18, 23), slice(23, 33)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Soaks the narrow phase: compares queries of every family with the oracles and
- * prints a table of the differences (`make soak`, ci/bench/soak.md). */
+ * prints a table of the differences (`make soak`, bench/soak.md). */
 #include "tests/narrow/soak.h"
 
 #include <stdio.h>

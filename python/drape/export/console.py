@@ -7,7 +7,7 @@ import argparse
 import sys
 from typing import NoReturn
 
-OK, USAGE, FAILED = 0, 2, 3  # app/app.h's app_exit
+OK, USAGE, FAILED = 0, 2, 3  # app/base/app.h's app_exit
 
 
 def complain(code: int, text: str) -> int:

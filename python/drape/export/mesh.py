@@ -13,7 +13,7 @@ from drape.export.run import Body
 
 Array = NDArray[np.floating[Any]]
 
-# Linear colours: the outer one of each cloth, as in app/paint.c, and that of
+# Linear colours: the outer one of each cloth, as in app/render/paint.c, and that of
 # obstacles, as in `drape render`.
 CLOTHS = (
     (0.42, 0.018, 0.028),

@@ -89,7 +89,7 @@ def test_normals_of_a_ball_are_round(still: Path) -> None:
 
 def test_colours_are_those_of_render() -> None:
     root = Path(__file__).resolve().parents[3]
-    paint = (root / "app" / "paint.c").read_text()
+    paint = (root / "app/render/paint.c").read_text()
     for rgb in mesh.CLOTHS:
         digits = [f"{c:.3f}".lstrip("0").rstrip("0") for c in rgb]
         assert any(
@@ -97,7 +97,8 @@ def test_colours_are_those_of_render() -> None:
             for line in paint.splitlines()
             if line.startswith("    {{")
         ), rgb
-    stone = "".join((root / "app" / f).read_text() for f in ("picture.c", "model.c"))
+    files = ("picture.c", "model.c")
+    stone = "".join((root / "app/render" / f).read_text() for f in files)
     assert "make(.60f, .555f, .49f)" in stone and mesh.STONE == (0.60, 0.555, 0.49)
 
 

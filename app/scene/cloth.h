@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A cloth as a scene's file describes it, and its definition for the library.
+ */
+#ifndef APP_SCENE_CLOTH_H
+#define APP_SCENE_CLOTH_H
+
+#include "app/read/json.h"
+#include "app/scene/look.h"
+#include "app/scene/shapes.h"
+
+#include <drape.h>
+
+/* A disc x, y, r or a rectangle x0, y0, x1, y1 at rest; r < 0: none. */
+struct region {
+    double disc[3], rect[4];
+};
+struct regions {
+    struct region *list;
+    int count;
+};
+struct pin {
+    int edge, motion;    /* edge: 0 … 3, -1: none */
+    double at[2], every; /* m at rest */
+};
+struct cloth {
+    drape_cloth out;
+    char *name;
+    struct look look;
+    double particles[2], size[2], velocity[3];
+    struct start start;
+    struct regions holes, cuts;
+    struct pin *pins;
+    int n_pins;
+    int *pin_from; /* [out.n_pins] index in pins of the pin it comes from */
+};
+
+/* Fills cloth->out's start, holes, cuts and pins. Returns app_exit; a fault in
+ * the description prints one line. */
+int cloth_sew(struct json *json, struct cloth *cloth);
+
+#endif
