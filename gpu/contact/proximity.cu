@@ -101,7 +101,10 @@ static __device__ bool is_open(const struct proximity *s, int64_t k, int *bad)
     }
     for (int j = 0; j < 4; j++)
         x[j] = s->x[v[j]];
-    if (!(sane(x[0]) && sane(x[1]) && sane(x[2]) && sane(x[3]))) {
+    bool good = sane(x[0]) && sane(x[1]) && sane(x[2]) && sane(x[3]);
+    for (int j = 0; j < 4 && s->n_from; j++)
+        good = good && sane(s->from[v[j]]);
+    if (!good) {
         atomicOr(bad, (int)BAD_PLACE);
         return false;
     }
@@ -121,6 +124,27 @@ static __device__ bool stands_for_points(const struct proximity *s, int kind,
     return closest_point_is_first_at(&s->one_rings, &f, v + 1, v[0]);
 }
 
+/* §3, §3.5: n·Σ c x at the start of the slice. */
+static __device__ double start_gap(const struct proximity *s,
+                                   const int32_t v[4], struct wide n,
+                                   const struct closest *r)
+{
+    if (!s->n_from)
+        return dot(n, r->p);
+    struct wide first = widen(s->from[v[0]]), p = wide3(0, 0, 0);
+    for (int j = 0; j < 4; j++)
+        p = axpy(p, r->c[j], sub(widen(s->from[v[j]]), first));
+    return dot(n, p);
+}
+
+/* §3.5: whether the pair comes nearer, from the side on which it ends. */
+static __device__ bool arrives(const struct proximity *s, const int32_t v[4],
+                               struct wide n, const struct closest *r)
+{
+    double gap = start_gap(s, v, n, r);
+    return !s->n_from || (gap >= 0 && gap > dot(n, r->p));
+}
+
 static __device__ bool is_close(const struct proximity *s, int64_t k)
 {
     int32_t v[4];
@@ -130,7 +154,7 @@ static __device__ bool is_close(const struct proximity *s, int64_t k)
     struct closest r = measure_pair(s, kind, v, x);
     return sqrt(r.length2) < (double)reach_of(s, v) &&
            stands_for_points(s, kind, v, x, &r) &&
-           find_normal(s, kind, v, x, &r, &n);
+           find_normal(s, kind, v, x, &r, &n) && arrives(s, v, n, &r);
 }
 
 /* §4: the target velocity, which the overlap and the repulsion spring give. */
@@ -157,7 +181,7 @@ static __device__ void emit_contact(const struct proximity *s, int64_t k,
     nearest_weights(&r, kind, c.c);
     find_normal(s, kind, c.v, x, &r, &n);
     c.n = narrowed(n);
-    c.gap = (real)dot(n, r.p);
+    c.gap = (real)start_gap(s, c.v, n, &r);
     c.friction = surface.friction;
     c.target = push_target(s, &c, max_of(surface.thickness - c.gap, R(0)));
     clear_contact(&c);
@@ -247,7 +271,8 @@ static struct groups groups_of(const struct gpu *g, int64_t n)
 int gpu_proximity(struct gpu *g, struct proximity *s)
 {
     if (!(s->dt > 0 && s->dt <= REAL_BIG && s->stiffness >= 0) ||
-        !(s->range > 0 && s->range <= REAL_BIG))
+        !(s->range > 0 && s->range <= REAL_BIG) ||
+        (s->n_from && s->n_from != s->nv))
         return DRAPE_EARG;
     struct groups of = groups_of(g, s->n);
     of.base = (int64_t *)gpu_scratch(g, SLOT_STAGE, of.n + 1, sizeof *of.base);

@@ -10,7 +10,7 @@
 /* §2.3: λ rises steadily where it rises by more than this part of its last
  * rise; κ is then multiplied. */
 #define COULOMB_STEADY R(0.9)
-#define COULOMB_GROWTH R(10.0)
+#define COULOMB_GROWTH R(3.0)
 
 struct coulomb {
     int64_t nv, nc, n; /* vertices, of which the first nc are particles of

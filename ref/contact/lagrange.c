@@ -21,10 +21,10 @@ static const real NESTED = R(0.3);  /* §3.3: the inner residual is this part of
                                        renewed */
 static const real SLOPE = R(0.1); /* §3.2: of the slope at a step's start, what
                                      a line search may leave */
-static const real GROSS = 1;      /* §4: of the scale, what linear springs may
+static const real GROSS = 2;      /* §4: of what cloths carry, what linear
+                                     springs may leave undone */
+static const real ANEW = R(0.2);  /* §4: of the same, what Newton's part may
                                      leave undone */
-static const real ANEW = R(0.5);  /* §4: of the least scale, what Newton's part
-                                     may leave undone */
 static const real EARTH = R(9.81); /* §3.4: m/s², the least g of the scale */
 static const real STRUCK = R(0.5); /* §5: of g dt */
 static const real COLUMN_MODULUS = R(1e4); /* Pa, coulomb.md §1: the modulus of
@@ -34,15 +34,16 @@ static const real COLUMN_MODULUS = R(1e4); /* Pa, coulomb.md §1: the modulus of
 struct loop {
     struct world *w;
     struct lagrange *a;
-    real g_dt;  /* m/s, what gravity changes in the slice, at least Earth's */
-    real least; /* §3.4: √m g dt */
-    real scale; /* §3.4 */
-    real outer; /* the last one */
-    int from;   /* linear systems when this part of the slice began */
-    int most;   /* linear systems */
-    bool fresh; /* the law was evaluated since M was made */
-    bool moved; /* since pairs were last looked for */
-    bool clean; /* nothing touches on the way to the iterate */
+    real g_dt;    /* m/s, what gravity changes in the slice, at least Earth's */
+    real least;   /* §3.4: √m g dt */
+    real carried; /* §4 */
+    real scale;   /* §3.4 */
+    real outer;   /* the last one */
+    int from;     /* linear systems when this part of the slice began */
+    int most;     /* linear systems */
+    bool fresh;   /* the law was evaluated since M was made */
+    bool moved;   /* since pairs were last looked for */
+    bool clean;   /* nothing touches on the way to the iterate */
     int status;
 };
 
@@ -215,6 +216,28 @@ static void weigh_residuals(struct loop *s)
     s->scale = real_max(s->least, real_sqrt(net));
 }
 
+/* §4: √(Σ m v²) of the slice's start, at least what gravity changes. */
+static real find_carried(struct loop *s)
+{
+    struct world *w = s->w;
+    real sum = 0;
+    for (int k = 0; k < w->def.n_cloths && loop_continues(s); k++) {
+        const struct sheet *sheet = &w->sheet[k];
+        const vec *v = w->v0 + sheet->first;
+        int64_t n = sheet->cloth.count;
+        struct dot d = {.n = n,
+                        .a = v,
+                        .b = v,
+                        .n_chunks = sum_chunks(n),
+                        .chunk = s->a->joint.chunk,
+                        .n_w = n,
+                        .w = sheet->cloth.mass};
+        note_status(s, w->run->dot(w->on, &d));
+        sum += d.value;
+    }
+    return real_max(s->least, real_sqrt(sum));
+}
+
 /* §3.2 */
 
 /* Moves along the solution by a part of it, to where `rest` and the law then
@@ -338,16 +361,31 @@ static void carry_multipliers(struct loop *s)
                   (size_t)c.n * sizeof *c.contact);
 }
 
-/* Whether pairs touch on the way to the iterate; they become contacts. */
+/* §2: within which distance on the way pairs are looked for: 0 if no vertex
+ * moves so far that one may arrive that was no contact at x0. */
+static real find_reach(struct loop *s)
+{
+    struct world *w = s->w;
+    real spare = (w->response.range - 1) * w->thinnest;
+    real most =
+        loop_continues(s) ? w->run->furthest(w->on, w->nv, w->x0, w->x1) : 0;
+    return 4 * most > spare * spare ? w->reach : 0;
+}
+
+/* Whether pairs touch on the way to the iterate, or arrive there; they become
+ * contacts. */
 static bool find_met(struct loop *s)
 {
     struct response *c = &s->w->response;
-    note_status(s, response_detect(c));
+    int64_t before = c->active;
+    note_status(s, response_detect(c, find_reach(s)));
     s->moved = false;
     s->clean = loop_continues(s) && c->hits == 0;
-    if (!loop_continues(s) || s->clean)
+    if (!loop_continues(s) || (s->clean && c->arrivals == 0))
         return false;
     note_status(s, response_join(c));
+    if (s->clean && c->active == before)
+        return false; /* what arrives had contacts already */
     if (s->status == DRAPE_OK)
         carry_multipliers(s);
     return loop_continues(s);
@@ -372,7 +410,11 @@ static bool needs_linearisation(struct loop *s)
     take_rest(w);
     if (loop_continues(s))
         evaluate_contacts(s, false, false);
-    if (!(measure_residual(s, s->a->law.inner) > GROSS * s->scale))
+    real left = measure_residual(s, s->a->law.inner);
+    if (!(left > GROSS * s->least))
+        return false; /* whatever the cloths carry */
+    s->carried = find_carried(s);
+    if (!(left > GROSS * s->carried))
         return false;
     s->a->newton = true;
     s->from = s->a->solves;
@@ -389,7 +431,7 @@ static bool iterate_loop(struct loop *s)
     weigh_residuals(s);
     real enough = (real)s->w->def.tolerance * s->scale;
     if (loose)
-        enough = real_max(enough, ANEW * s->least);
+        enough = real_max(enough, ANEW * s->carried);
     bool last = a->solves >= s->most;
     bool known = !loose || s->moved || s->clean;
     bool done = known && s->outer <= enough;

@@ -8,15 +8,18 @@
 static int check_input(const struct proximity *s)
 {
     if (!(s->dt > 0 && s->dt <= REAL_BIG && s->stiffness >= 0) ||
-        !(s->range > 0 && s->range <= REAL_BIG))
+        !(s->range > 0 && s->range <= REAL_BIG) ||
+        (s->n_from && s->n_from != s->nv))
         return DRAPE_EARG;
     for (int64_t k = 0; k < s->n; k++)
         if (!pair_valid(s->pair + 4 * k, s->nv) || s->kind[k] > CONTACT_EE)
             return DRAPE_EARG;
     for (int64_t k = 0; k < s->n; k++)
-        for (int j = 0; j < 4; j++)
-            if (!vec_sane(s->x[s->pair[4 * k + j]]))
+        for (int j = 0; j < 4; j++) {
+            int32_t v = s->pair[4 * k + j];
+            if (!vec_sane(s->x[v]) || (s->n_from && !vec_sane(s->from[v])))
                 return DRAPE_EDATA;
+        }
     return DRAPE_OK;
 }
 
@@ -106,6 +109,27 @@ static bool stands_for_points(const struct proximity *s, int64_t k,
     return closest_point_is_first(&s->one_rings, &f, v + 1, v[0]);
 }
 
+/* §3, §3.5: n·Σ c x at the start of the slice. */
+static double start_gap(const struct proximity *s, int64_t k, struct wide n,
+                        const struct closest *r)
+{
+    const int32_t *v = s->pair + 4 * k;
+    if (!s->n_from)
+        return wide_dot(n, r->p);
+    struct wide first = wide_of(s->from[v[0]]), p = wide_make(0, 0, 0);
+    for (int j = 0; j < 4; j++)
+        p = wide_axpy(p, r->c[j], wide_sub(wide_of(s->from[v[j]]), first));
+    return wide_dot(n, p);
+}
+
+/* §3.5: whether the pair comes nearer, from the side on which it ends. */
+static bool arrives(const struct proximity *s, int64_t k, struct wide n,
+                    const struct closest *r)
+{
+    double gap = start_gap(s, k, n, r);
+    return !s->n_from || (gap >= 0 && gap > wide_dot(n, r->p));
+}
+
 static bool is_close(const struct proximity *s, int64_t k)
 {
     struct wide x[4], n;
@@ -114,7 +138,7 @@ static bool is_close(const struct proximity *s, int64_t k)
         s->range * surfaces_pair(&s->surfaces, s->pair + 4 * k).thickness;
     measure_pair(s, k, x, &r);
     return sqrt(r.length2) < (double)reach && stands_for_points(s, k, x, &r) &&
-           find_normal(s, k, x, &r, &n);
+           find_normal(s, k, x, &r, &n) && arrives(s, k, n, &r);
 }
 
 /* §4: the target velocity, which the overlap and the repulsion spring give. */
@@ -140,7 +164,7 @@ static void emit_contact(const struct proximity *s, int64_t k,
     closest_weights(&r, s->kind[k], c->c);
     find_normal(s, k, x, &r, &n);
     c->n = wide_round(n);
-    c->gap = (real)wide_dot(n, r.p);
+    c->gap = (real)start_gap(s, k, n, &r);
     c->friction = surface.friction;
     c->target = push_target(s, c, real_max(surface.thickness - c->gap, 0));
     contact_clear(c);

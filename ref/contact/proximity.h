@@ -10,7 +10,10 @@ struct proximity {
     int64_t nv, n;              /* vertices, candidates; 4 n < 2^31 */
     const int32_t *pair;        /* [n][4] v f f f or a a b b */
     const uint8_t *kind;        /* [n] enum contact_kind */
-    const vec *x;               /* [nv] m, at the start of the step */
+    const vec *x;               /* [nv] m */
+    int64_t n_from;             /* nv, or 0 */
+    const vec *from;            /* [n_from] m, at the start of the slice: only
+                                   pairs that come nearer are contacts, §3.5 */
     const real *w;              /* [nv] 1/kg, 0: prescribed */
     struct surfaces surfaces;   /* of the vertices */
     struct one_rings one_rings; /* the triangles around each vertex */

@@ -114,11 +114,13 @@ static int64_t hits_cap(const struct response *s)
     return s->hit_toi.cap < cap ? s->hit_toi.cap : cap;
 }
 
-/* Fills hit with the pairs that touch, among those with a touched vertex. */
-static int detect_hits(struct response *s, const uint8_t *touched)
+/* Fills hit with the pairs that touch, among those with a touched vertex. all:
+ * out: the pairs that broad found. */
+static int detect_hits(struct response *s, const uint8_t *touched,
+                       struct pairs *all)
 {
-    struct pairs p;
-    int status = s->broad(s->user, touched, &p);
+    int status = s->broad(s->user, touched, all);
+    struct pairs p = *all;
     s->hits = 0;
     if (!touched)
         s->started = s->prescribed = 0;
@@ -166,12 +168,12 @@ static int spare_side(const struct response *s, int other)
     return side;
 }
 
-/* §4. Pairs that touch join the active set, contact[side]. The set that the
- * solve left stays, for the list of contacts. */
-static int find_impulses(struct response *s)
+/* §4. Pairs that touch join the n contacts of a pool: the active set,
+ * contact[side]. The set that the solve left stays, for the list of contacts.
+ */
+static int find_impulses(struct response *s, int pool, int64_t n, int side)
 {
-    int side = spare_side(s, s->solved);
-    struct pool *from = &s->contact[s->side], *to = &s->contact[side];
+    struct pool *from = &s->contact[pool], *to = &s->contact[side];
     struct impulses m = {.nv = s->nv,
                          .n = s->hits,
                          .pair = s->hit.data,
@@ -184,7 +186,7 @@ static int find_impulses(struct response *s)
                          .one_rings = s->one_rings,
                          .dt = s->dt,
                          .margin = s->margin,
-                         .n_active = s->active,
+                         .n_active = n,
                          .active = from->data,
                          .first = s->first};
     m.n_all = m.n + m.n_active;
@@ -210,48 +212,92 @@ static int find_impulses(struct response *s)
     return DRAPE_OK;
 }
 
-/* The pairs that are nearer than their thickness at x, as contacts in a pool.
- */
-static int find_contacts(struct response *s, const struct pairs *close,
-                         const vec *x, struct pool *out, int64_t *found)
+static int join_hits(struct response *s)
 {
-    struct proximity p = {.nv = s->nv,
-                          .n = close->n,
-                          .pair = close->pair,
-                          .kind = close->kind,
-                          .x = x,
-                          .w = s->w,
-                          .surfaces = s->surfaces,
-                          .one_rings = s->one_rings,
-                          .dt = s->dt,
-                          .stiffness = s->stiffness,
-                          .range = s->range};
-    int status = response_grow(
-        s, 1, &(struct pool_need){&s->at, close->n, sizeof *p.at});
+    return find_impulses(s, s->side, s->active, spare_side(s, s->solved));
+}
+
+static struct proximity proximity_of(const struct response *s,
+                                     const struct pairs *close, const vec *x)
+{
+    return (struct proximity){.nv = s->nv,
+                              .n = close->n,
+                              .pair = close->pair,
+                              .kind = close->kind,
+                              .x = x,
+                              .w = s->w,
+                              .surfaces = s->surfaces,
+                              .one_rings = s->one_rings,
+                              .dt = s->dt,
+                              .stiffness = s->stiffness,
+                              .range = s->range};
+}
+
+/* The contacts of p in a pool that has room for `more` behind them. */
+static int find_contacts(struct response *s, struct proximity *p,
+                         struct pool *out, int64_t more)
+{
+    int status =
+        response_grow(s, 1, &(struct pool_need){&s->at, p->n, sizeof *p->at});
     if (status != DRAPE_OK)
         return status;
-    p.at = s->at.data;
+    p->at = s->at.data;
     do {
-        p.cap = out->cap;
-        p.contact = out->data;
-        status = s->run->proximity(s->on, &p);
+        p->cap = out->cap > more ? out->cap - more : 0;
+        p->contact = out->data;
+        status = s->run->proximity(s->on, p);
     } while (status == DRAPE_EFULL &&
-             (status = grow_contacts(s, out, p.found)) == DRAPE_OK);
-    *found = p.found;
+             (status = grow_contacts(s, out, p->found + more)) == DRAPE_OK);
     if (status == DRAPE_OK)
-        s->run->trace(s->on, s->trace, "proximity", p.contact,
-                      (size_t)p.found * sizeof *p.contact);
+        s->run->trace(s->on, s->trace, "proximity", p->contact,
+                      (size_t)p->found * sizeof *p->contact);
     return status;
 }
 
-int response_detect(struct response *s)
+/* The pairs near at x0, as contacts of the active set's pool. */
+static int find_at_start(struct response *s, const struct pairs *close)
 {
-    return detect_hits(s, NULL);
+    struct proximity p = proximity_of(s, close, s->x0);
+    int status = find_contacts(s, &p, &s->contact[s->side], 0);
+    s->contacts = p.found;
+    return status;
+}
+
+/* Puts the pairs that arrive into a spare pool, and the active set behind them:
+ * where a pair is in both, the latter stays. */
+static int find_arrivals(struct response *s, const struct pairs *all)
+{
+    int side = spare_side(s, s->solved);
+    struct proximity p = proximity_of(s, all, s->x1);
+    p.n_from = s->nv;
+    p.from = s->x0;
+    p.range = 1;
+    int status = find_contacts(s, &p, &s->contact[side], s->active);
+    if (status != DRAPE_OK || !p.found)
+        return status;
+    s->run->copy(s->on, p.contact + p.found, s->contact[s->side].data,
+                 (size_t)s->active * sizeof *p.contact);
+    s->arrived = side;
+    s->arrivals = p.found;
+    return DRAPE_OK;
+}
+
+int response_detect(struct response *s, real reach)
+{
+    struct pairs all;
+    s->arrivals = 0;
+    s->reach = reach;
+    int status = detect_hits(s, NULL, &all);
+    s->reach = 0;
+    return status == DRAPE_OK && reach > 0 && all.n ? find_arrivals(s, &all)
+                                                    : status;
 }
 
 int response_join(struct response *s)
 {
-    return find_impulses(s);
+    if (!s->arrivals)
+        return join_hits(s);
+    return find_impulses(s, s->arrived, s->arrivals + s->active, s->side);
 }
 
 int response_find_close(struct response *s, const struct pairs *close)
@@ -260,11 +306,10 @@ int response_find_close(struct response *s, const struct pairs *close)
     s->hits = 0;
     if (!close->n)
         return DRAPE_OK;
-    int status =
-        find_contacts(s, close, s->x0, &s->contact[s->side], &s->contacts);
+    int status = find_at_start(s, close);
     s->active = s->contacts;
     /* without impacts this orders them */
-    return status == DRAPE_OK && s->active ? find_impulses(s) : status;
+    return status == DRAPE_OK && s->active ? join_hits(s) : status;
 }
 
 int response_repel(struct response *s, const struct pairs *close)
@@ -272,8 +317,7 @@ int response_repel(struct response *s, const struct pairs *close)
     s->close = close->n;
     if (!close->n)
         return DRAPE_OK;
-    int status =
-        find_contacts(s, close, s->x0, &s->contact[s->side], &s->contacts);
+    int status = find_at_start(s, close);
     return status == DRAPE_OK && s->contacts ? solve_contacts(s, s->contacts, 0)
                                              : status;
 }
@@ -282,7 +326,7 @@ int response_repel(struct response *s, const struct pairs *close)
 
 static int push_hits(struct response *s)
 {
-    int status = find_impulses(s);
+    int status = join_hits(s);
     if (status != DRAPE_OK)
         return status;
     struct contact *contact = s->contact[s->side].data;
@@ -311,7 +355,8 @@ int response_penetrate(struct response *s)
     s->solved = s->side;
     s->n_solved = s->active;
     s->rounds = 1;
-    int status = s->done ? DRAPE_OK : detect_hits(s, NULL);
+    struct pairs p;
+    int status = s->done ? DRAPE_OK : detect_hits(s, NULL, &p);
     s->hits = s->done ? 0 : s->hits;
     for (int round = 0; status == DRAPE_OK && s->hits > 0; round++) {
         if (s->stop_before_zones && round >= s->max_rounds) {
@@ -321,7 +366,7 @@ int response_penetrate(struct response *s)
         status = resolve_round(s, round);
         if (status != DRAPE_OK || s->hits == 0)
             break;
-        status = detect_hits(s, s->touched);
+        status = detect_hits(s, s->touched, &p);
         s->rounds++;
     }
     if (s->started || s->prescribed)

@@ -11,9 +11,10 @@ int response_start(struct response *s);
 
 /* Makes the active set of the pairs near at x0, by key. */
 int response_find_close(struct response *s, const struct pairs *close);
-/* Finds all pairs that touch between x0 and x1: hits. */
-int response_detect(struct response *s);
-/* The hits join the active set. */
+/* Finds all pairs that touch between x0 and x1: hits; and those that arrive, if
+ * pairs are looked for within reach, ≥ 0. */
+int response_detect(struct response *s, real reach);
+/* Hits, and arrivals that it does not have, join the active set. */
 int response_join(struct response *s);
 
 /* Repulsion and friction of the candidates at x0; u, v, x1 change. */

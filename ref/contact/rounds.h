@@ -44,6 +44,8 @@ struct response {
      * touched[i] (NULL: every pair). DRAPE_OK or an error. */
     int (*broad)(void *user, const uint8_t *touched, struct pairs *out);
     void *user;
+    real reach;  /* m, ≥ 0: broad also finds the pairs that may come so near,
+                    of a detection in which something may arrive */
     bool solves; /* contacts of repulsion take part in an implicit solve
                     (lagrange.md), and stay in the active set */
 
@@ -74,14 +76,16 @@ struct response {
                 without a free vertex that touch: left alone */
     int outcome;    /* out: or of enum drape_outcome */
 
-    int64_t hits, active, tangled; /* items in the pools */
-    int side, tangle_side;         /* which of the pools */
-    int solved;                    /* the pool of the contacts that the last
-                                      solve left, as it left them */
-    int64_t n_solved;              /* how many these are; 0: none */
-    bool contacts_solved;          /* contacts has solved a round */
-    bool done;                     /* nothing touches on the way: no round is
-                                      needed */
+    int64_t hits, arrivals, active, tangled; /* items in the pools */
+    int arrived;           /* the pool of arrivals; the active set
+                              follows there */
+    int side, tangle_side; /* which of the pools */
+    int solved;            /* the pool of the contacts that the last
+                              solve left, as it left them */
+    int64_t n_solved;      /* how many these are; 0: none */
+    bool contacts_solved;  /* contacts has solved a round */
+    bool done;             /* nothing touches on the way: no round is
+                              needed */
 };
 
 /* §4: iterations of contacts in the round under way: as many more in each late
@@ -99,7 +103,7 @@ static inline void response_reset(struct response *s)
     s->close = s->later = s->narrow = 0;
     s->started = s->prescribed = 0;
     s->zone_vertices = s->rolled_back = 0;
-    s->hits = s->active = s->n_solved = s->tangled = 0;
+    s->hits = s->arrivals = s->active = s->n_solved = s->tangled = 0;
     s->contacts_solved = s->done = false;
 }
 

@@ -48,7 +48,9 @@ static void derive_from_cloths(struct world *w)
     for (int k = 0; k < w->def.n_cloths; k++) {
         const struct cloth *c = &h->sheet[k].cloth;
         const drape_material *m = &w->sheet[k].made.material;
-        w->reach = real_max(w->reach, h->surface[k].thickness);
+        real thickness = h->surface[k].thickness;
+        w->reach = real_max(w->reach, thickness);
+        w->thinnest = k ? real_min(w->thinnest, thickness) : thickness;
         w->response.stiffness =
             real_max(w->response.stiffness, RESPONSE_SOFT * (real)m->stretch);
         for (int64_t p = 0; p < c->count; p++)

@@ -25,8 +25,9 @@ int collide_broad(void *user, const uint8_t *touched, struct pairs *out)
 {
     struct world *w = user;
     double start = clock_now();
+    real r = touched ? 0 : w->response.reach;
     int status =
-        w->run->broad_query(w->on, &w->broad, w->x0, w->x1, 0, touched);
+        w->run->broad_query(w->on, &w->broad, w->x0, w->x1, r, touched);
     if (status == DRAPE_OK)
         status = sleep_notice(w);
     w->broad_seconds += clock_now() - start;

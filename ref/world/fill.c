@@ -173,7 +173,9 @@ static int fill_cloth(struct world *w, const drape_cloth *def, int k,
     w->surface[k] =
         (struct surface){real_min((real)def->material.thickness, most),
                          (real)def->material.friction};
-    w->reach = real_max(w->reach, w->surface[k].thickness);
+    real thickness = w->surface[k].thickness;
+    w->reach = real_max(w->reach, thickness);
+    w->thinnest = k ? real_min(w->thinnest, thickness) : thickness;
     real side = real_min(c->hu, c->hv);
     w->cell = k ? real_min(w->cell, side) : side;
     return DRAPE_OK;

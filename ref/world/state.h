@@ -110,6 +110,7 @@ struct world {
     struct pose *pose;   /* [n_motions] at the end of the slice, on the host */
     struct pose *posed;  /* the same in the memory of the backend */
     real reach;          /* m, the largest thickness of a cloth */
+    real thinnest;       /* m, the smallest */
     real cell;           /* m, the smallest side of a cell of any cloth */
     double mass;         /* kg, of all cloths together */
     struct broad broad;

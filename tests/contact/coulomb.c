@@ -424,7 +424,7 @@ static const char *check_renewal(const struct coulomb *s,
     real rise = was->impulse - was->lambda;
     bool steady = was->lambda > 0 && was->rise > 0 &&
                   rise > R(0.9) * was->rise && was->kappa < s->stiffest;
-    real more = real_min(R(10.0) * was->kappa, s->stiffest);
+    real more = real_min(R(3.0) * was->kappa, s->stiffest);
     EXPECT(is->kappa == (steady ? more : was->kappa));
     EXPECT(is->lambda == was->impulse && is->load == was->impulse);
     EXPECT(is->rise == rise);

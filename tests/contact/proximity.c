@@ -11,6 +11,7 @@ const struct field fields_proximity[] = {
     IN(proximity, pair, n, 4),
     IN(proximity, kind, n, 1),
     IN(proximity, x, nv, 1),
+    IN(proximity, from, n_from, 1),
     IN(proximity, w, nv, 1),
     IN(proximity, surfaces.of, nv, 1),
     IN(proximity, surfaces.surface, surfaces.n, 1),
@@ -78,6 +79,7 @@ void gen_proximity(struct bytes *b, struct proximity *s)
     int32_t *pair = take(b, 4 * s->n, sizeof *pair);
     uint8_t *kind = take(b, s->n, 1);
     vec *x = take(b, s->nv, sizeof *x);
+    vec *from = take(b, s->nv, sizeof *from);
     real *w = take(b, s->nv, sizeof *w);
     uint16_t *of = take(b, s->nv, sizeof *of);
     struct surface *surface = take(b, 2, sizeof *surface);
@@ -93,9 +95,13 @@ void gen_proximity(struct bytes *b, struct proximity *s)
         kind[k] = (uint8_t)pick(b, 2);
         pick_four(b, s->nv, pair + 4 * k);
     }
+    s->n_from = pick(b, 2) ? s->nv : 0;
+    for (int64_t i = 0; i < s->n_from; i++)
+        from[i] = pick(b, 4) ? vec_add(x[i], pick_vec(b, R(0.5))) : x[i];
     s->pair = pair;
     s->kind = kind;
     s->x = x;
+    s->from = from;
     s->w = w;
     s->surfaces.of = of;
     s->surfaces.surface = surface;
@@ -469,6 +475,53 @@ static struct fate find_fate(const struct proximity *s, int64_t k,
     return side < 0 ? free_fate(s, k, x) : led_fate(s, k, side, x);
 }
 
+/* §3.5: the place of each vertex at the start of the slice. */
+static void start_of(const struct proximity *s, int64_t k, struct wide from[4])
+{
+    for (int j = 0; j < 4; j++)
+        from[j] = wide_of(s->from[s->pair[4 * k + j]]);
+}
+
+/* §3.5: whether a pair whose normal is along p surely comes nearer, from the
+ * side on which it ends. */
+static bool surely_arrives(const struct proximity *s, int64_t k,
+                           const struct wide x[4])
+{
+    struct wide from[4], p = wide_make(0, 0, 0);
+    struct closest r = points_of(x, s->kind[k]);
+    start_of(s, k, from);
+    for (int j = 0; j < 4; j++)
+        p = wide_axpy(p, r.c[j], wide_sub(from[j], from[0]));
+    double d = length(r.p), room = 0x1p-19 * (size_of(x) + size_of(from));
+    if (!(d > 0x1p-39 * size_of(x)))
+        return false; /* §3.1: n need not be along p */
+    double gap = wide_dot(p, r.p) / d;
+    return gap > room + lost && gap > d + room + lost;
+}
+
+/* n·Σ c x. */
+static double end_gap(const struct contact *c, const struct wide x[4])
+{
+    double gap = 0;
+    for (int j = 0; j < 4; j++)
+        gap += (double)c->c[j] * wide_dot(wide_of(c->n), wide_sub(x[j], x[0]));
+    return gap;
+}
+
+/* §3.5: the gap of a contact is that of the start, and it was larger. */
+static const char *check_arrival(const struct proximity *s, int64_t k,
+                                 const struct contact *c,
+                                 const struct wide x[4])
+{
+    struct wide from[4];
+    start_of(s, k, from);
+    double gap = end_gap(c, from), end = end_gap(c, x);
+    double room = 0x1p-19 * (size_of(x) + size_of(from)) + lost;
+    EXPECT(c->gap >= 0 && fabs(gap - (double)c->gap) <= room);
+    EXPECT(end <= gap + room);
+    return NULL;
+}
+
 const char *prop_proximity(const struct proximity *s)
 {
     int64_t at = 0;
@@ -486,16 +539,24 @@ const char *prop_proximity(const struct proximity *s)
         double bound = 0x1p-22 * size_of(x) + lost; /* §2.1, §2.4 */
         struct fate f = find_fate(s, k, x);
         EXPECT(!kept || d <= r + bound);
+        if (s->n_from && !(f.least == 1 && surely_arrives(s, k, x)))
+            f.drop = true;
         if (!kept) {
             EXPECT(d >= r - bound || f.drop);
             continue;
         }
         EXPECT(f.keep);
-        EXPECT((double)c->gap <= f.most * d + bound);
-        EXPECT((double)c->gap >= f.least * d - bound);
+        struct contact end = *c;
+        const char *failed = NULL;
+        if (s->n_from) {
+            failed = check_arrival(s, k, c, x);
+            end.gap = (real)end_gap(c, x);
+        }
+        EXPECT((double)end.gap <= f.most * d + bound);
+        EXPECT((double)end.gap >= f.least * d - bound);
         if (k % 8 == 0 && orc_present() && prescribed_of(s, k) < 0)
-            EXPECT(is_distance(x, s->kind[k], (double)c->gap, bound));
-        const char *failed = check_contact(c, x);
+            EXPECT(is_distance(x, s->kind[k], (double)end.gap, bound));
+        failed = failed ? failed : check_contact(&end, x);
         if (failed)
             return failed;
         at++;

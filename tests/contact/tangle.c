@@ -158,7 +158,7 @@ int tangle_respond(struct response *r, const struct pairs *close)
         return response_repel(r, close);
     int status = response_find_close(r, close);
     if (status == DRAPE_OK)
-        status = response_detect(r);
+        status = response_detect(r, 0);
     return status == DRAPE_OK && r->hits > 0 ? response_join(r) : status;
 }
 
