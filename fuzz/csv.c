@@ -6,7 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "app/base/app.h"
+#include "app/tool/options.h"
 #include "fuzz/files.h"
 
 /* Runs the command with its output in a file. Returns the exit code. */
