@@ -28,6 +28,7 @@ PARTS = {
     "gcc-O0": ("the same bits by gcc -O0, kernels too", 240),
     "tsan": ("whole scenes under ThreadSanitizer", 240),
     "msan": ("whole scenes under MemorySanitizer", 150),
+    "ptx": ("PTX of all kernels has the number model's operations only", 250),
     "tidy": ("clang-tidy", 110),
     "tool": ("what the tool answers to good and bad input", 90),
     "clang-O2": ("the same bits by clang -O2", 90),
