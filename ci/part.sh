@@ -161,6 +161,7 @@ ptx)
     count sh -c 'make -s -j"$1" BUILD="$0" ptx &&
         python3 ci/equal/lint.py "$0"/ptx/gpu/*/*.ptx' "$build" "$jobs"
     ;;
+equal) count sh ci/equal/prove.sh "$build" --quick ;;
 prove)
     needs gappa
     count sh ci/prove.sh

@@ -81,7 +81,8 @@ def fault(statement, constants=None):
         if len(parts) > 1:
             return f"{code} is no operation of the number model"
         operands = [word.strip() for word in rest.split(",")][1:]
-        values = set().union(*((constants or {}).get(word, {word}) for word in operands))
+        known = constants or {}
+        values = set().union(*(known.get(word, {word}) for word in operands))
         if any(zero in values for zero in ZERO[kind]):
             return f"{code} of {', '.join(operands)}: another zero than §1.2"
         if all(value.startswith("%") for value in values):
@@ -135,6 +136,7 @@ def judge(name):
 
 
 def main(*names):
+    """Judges the planted instructions, then the files."""
     passed = failed = operations = 0
     for statement, wrong in PLANTED:
         if bool(fault(statement)) == wrong:
