@@ -72,7 +72,7 @@ def inputs(rng, mode, read):
             elif term.sort == "b":
                 chosen[term.id] = bool(rng.randint(0, 1))
             else:
-                chosen[term.id] = rng.choice((0, 1, 2, 3, 1, 0)) & (
+                chosen[term.id] = rng.choice((0, 1, 2, 3, 1, 0, 255)) & (
                     (1 << term.sort[1]) - 1)
         return chosen[term.id]
 

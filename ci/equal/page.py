@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The tables of spec/proofs.md: which twins are proved, and what no proof reaches."""
 import re
+import textwrap
 
 import census
 
@@ -33,16 +34,16 @@ def why(how):
     return "the solver has no answer" if how in late else how
 
 
-def how_of(verdicts, twin):
-    """How both precisions of a twin are proved."""
-    told = []
-    for bits in BITS:
-        verdict = verdicts.get((twin.name, bits))
-        told.append("open: not asked" if verdict is None else verdict.how
-                    if verdict.kind == "equal" else f"open: {why(verdict.how)}")
-    if told[0] == told[1]:
-        return told[0]
-    return "; ".join(f"{bits} bits: {how}" for bits, how in zip(BITS, told))
+def told(verdict):
+    """How a twin is proved in one precision, or that it is open."""
+    return verdict.how if verdict.kind == "equal" else f"open: {why(verdict.how)}"
+
+
+def both(parts):
+    """What is to be said of both precisions."""
+    if parts[0] == parts[1]:
+        return parts[0]
+    return "; ".join(f"{bits} bits: {how}" for bits, how in zip(BITS, parts))
 
 
 def given_of(twin):
@@ -72,23 +73,30 @@ def census_table(twins):
     return "\n".join(lines)
 
 
+def untouched(twins):
+    """The stages that have no row."""
+    with open("spec/stages.def", encoding="utf-8") as file:
+        stages = re.findall(r"^STAGE\(\w+, \w+, (\w+),", file.read(), re.M)
+    names = {twin.stage for twin in twins}
+    rest = ", ".join(stage for stage in stages if stage not in names)
+    return textwrap.fill(f"Stages without a row: {rest}.", 88)
+
+
 def tables(twins, how):
     """Both tables."""
-    return (f"\n## 5 Twins\n\n{twins_table(twins, how)}\n\n## 6 Device functions\n\n"
-            f"{census_table(twins)}\n")
+    return (f"\n## 5 Twins\n\n{twins_table(twins, how)}\n\n{untouched(twins)}\n\n"
+            f"## 6 Device functions\n\n{census_table(twins)}\n")
 
 
 def write(twins, verdicts):
     """Writes the tables. What was not asked now stays as it is recorded."""
-    known = recorded()
-    how = {}
-    for twin in twins:
-        asked = (twin.name, BITS[0]) in verdicts and (twin.name, BITS[1]) in verdicts
-        how[twin.name] = how_of(verdicts, twin) if asked else "; ".join(dict.fromkeys(
-            known.get((twin.name, bits), "open: not asked") for bits in BITS))
+    how = {key: told(verdict) for key, verdict in verdicts.items()}
+    how = {**recorded(), **how}
+    text = {twin.name: both([how.get((twin.name, bits), "open: not asked")
+                             for bits in BITS]) for twin in twins}
     head, _ = read()
     with open(PAGE, "w", encoding="utf-8") as file:
-        file.write(head + tables(twins, how))
+        file.write(head + tables(twins, text))
 
 
 def check(twins, verdicts):
@@ -105,9 +113,9 @@ def check(twins, verdicts):
     for name in sorted({name for name, _ in known} - names):
         results.append(False)
         print(f"FAILED {PAGE}: {name} is no row of ci/equal/twins.def")
-    results.append(census_table(twins) in said)
+    results.append(census_table(twins) in said and untouched(twins) in said)
     if not results[-1]:
-        print(f"FAILED {PAGE}: its census of gpu/ is of another tree: "
+        print(f"FAILED {PAGE}: its census of stages and of gpu/ is of another tree: "
               "make prove WRITE=1")
     for (name, bits), verdict in (verdicts or {}).items():
         now = "proved" if verdict.kind == "equal" else "open"

@@ -80,9 +80,11 @@ def fixed(memory, state, given):
         if part.op != "eq":
             continue
         a, b = part.args if words.is_const(part.args[1]) else part.args[::-1]
+        byte = a.args[1] // 8 if a.op == "cut" else 0
         a = a.args[1] if a.op == "joined" else a.args[0] if a.op == "cut" else a
         if words.is_const(b) and a.op == "leaf" and a.args[0][0] == "memory":
-            at = words.add(memory.bases[a.args[0][1]], words.const(64, a.args[0][2]))
+            _, name, first = a.args[0]
+            at = words.add(memory.bases[name], words.const(64, first + byte))
             memory.store(state, at, b)
 
 
@@ -92,9 +94,14 @@ def is_number(term):
         map(is_number, term.args[1:])))
 
 
+def is_undefined(term):
+    """Whether a value is what local memory has before anything is written."""
+    return term.op == "leaf" and term.args[0][0] == "nothing"
+
+
 def cells(memory, ref, device, private):
     """What either side has left in memory that is neither local nor private, as pairs
-    of terms."""
+    of terms. What the reference leaves undefined, as padding, is not compared."""
     pairs = []
     for base in {**ref.memory, **device.memory}:
         if base in memory.locals or base in private:
@@ -110,7 +117,8 @@ def cells(memory, ref, device, private):
             if any(map(is_number, pair)):
                 sort = {4: "f32", 8: "f64"}[count]
                 pair = [floats.number(x, sort) for x in pair]
-            pairs.append(tuple(pair))
+            if not is_undefined(pair[0]):
+                pairs.append(tuple(pair))
             done = byte + count
     return pairs
 
