@@ -34,7 +34,7 @@ PARTS = {
     "clang-O2": ("the same bits by clang -O2", 90),
     "clang-O3": ("the same bits by clang -O3", 90),
     "gcc-O3": ("the same bits by gcc -O3", 80),
-    "equal": ("device code and its twins in ref/, for every input", 60),
+    "equal": ("device code and its twins in ref/, for every input", 150),
     "faults": ("faults planted in device code, which the proofs find", 60),
     "buddha": ("the paper's buddha: no intersection in any frame", 60),
     "demo": ("the demo's scene: no intersection in any frame", 40),

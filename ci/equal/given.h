@@ -32,6 +32,14 @@ static inline bool indices_in(const int32_t *v, int n, int64_t most)
     return good;
 }
 
+/* Whether the row and the column of item k are within a grid of m by n items, as
+ * they are where k < m n. */
+static inline bool in_grid(int32_t m, int32_t n, int64_t k)
+{
+    int32_t j = (int32_t)k / m, i = (int32_t)k - j * m;
+    return (m > 0) & (i >= 0) & (i < m) & (j >= 0) & (j < n);
+}
+
 /* Whether none of four vertices is led. */
 static inline bool all_free(const real *w, const int32_t *v)
 {

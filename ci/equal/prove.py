@@ -26,7 +26,7 @@ import table
 from term import TABLE, Unsupported
 
 TWINS = "ci/equal/twins.def"
-QUICK, LONGEST = 30, 120 # seconds for a twin in one precision
+QUICK, LONGEST = 30, 120 # seconds of a processor for a twin in one precision
 BITS = (32, 64)
 
 
@@ -54,14 +54,14 @@ def verdict_on(task):
     """The same, open where the engine has no answer or none in time, and seconds."""
     build, twin, bits, quick = task
     began = time.monotonic()
-    signal.signal(signal.SIGALRM, too_late)
-    signal.alarm(QUICK if quick else LONGEST)
+    signal.signal(signal.SIGVTALRM, too_late)
+    signal.setitimer(signal.ITIMER_VIRTUAL, QUICK if quick else LONGEST)
     try:
         verdict = decide(build, twin, bits, quick)
     except (Unsupported, FileNotFoundError) as why:
         verdict = compare.Verdict("open", str(why))
     finally:
-        signal.alarm(0)
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0)
     return verdict, time.monotonic() - began
 
 

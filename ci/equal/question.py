@@ -134,7 +134,8 @@ def size_at(side, byte):
 
 def entry_of(file, twin):
     """The name in PTX of a kernel for one world."""
-    part = f"{len(twin.device)}{twin.device}"
+    plain, of = re.match(r"(\w+)(?:<(\w+)>)?", twin.device).groups()
+    part = f"{len(plain)}{plain}" + (f"I{len(of)}{of}E" if of else "")
     names = [n for n in file.functions if "one_kernel" in n and part in n
              and "merged_kernel" not in n]
     if len(names) != 1:

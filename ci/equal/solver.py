@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What rewriting leaves, asked of Bitwuzla. + · ÷ √ and products of integers are
-uninterpreted functions; comparisons, signs, conversions and bits are interpreted."""
+"""What rewriting leaves, asked of Bitwuzla. + · ÷ √, and products and quotients of
+integers of which none is constant, are uninterpreted functions; comparisons, signs,
+conversions and bits are interpreted."""
 import floats
 from term import WIDTH, Unsupported, float_of, is_float, kids, order
 
@@ -12,12 +13,10 @@ except ImportError:
 FORMAT = {"f32": "8 24", "f64": "11 53"}
 INTEGER = {"and_bits": "bvand", "or_bits": "bvor", "xor_bits": "bvxor", "shl": "bvshl",
            "lshr": "bvlshr", "ashr": "bvashr", "joined": "concat", "eq": "=",
-           "slt": "bvslt", "ult": "bvult", "udiv": "bvudiv", "urem": "bvurem",
-           "sdiv": "bvsdiv", "srem": "bvsrem"}
+           "slt": "bvslt", "ult": "bvult"}
+QUOTIENT = ("udiv", "urem", "sdiv", "srem")
 NUMBER = {"neg": "fp.neg", "abs": "fp.abs", "<": "fp.lt", "<=": "fp.leq",
           "==": "fp.eq", "not": "not", "and": "and", "choice": "ite"}
-UNKNOWN = ("+", "*", "/", "sqrt", "min", "max", "of_signed", "of_unsigned",
-           "to_signed", "to_unsigned", "times")
 
 
 def kind(sort):
@@ -105,7 +104,9 @@ class Script:
     def text(self, term, inner):
         """An operation on operands."""
         op, sort = term.op, term.sort
-        if op in UNKNOWN or op not in (*INTEGER, *NUMBER, "sum", "convert", "number",
+        if op in QUOTIENT and term.args[1].op == "int":
+            return f"(bv{op} {' '.join(inner)})"
+        if op not in (*INTEGER, *NUMBER, "sum", "convert", "number",
                                        "extend", "extend_signed", "cut"):
             function = "|" + " ".join([op, kind(sort), *(kind(k.sort)
                                                          for k in kids(term))]) + "|"

@@ -99,7 +99,8 @@ def read(path):
             stage, name, params, device, ref, *given = parts if row[1] == "TWIN" else (
                 parts[:3] + parts[1:2] + parts[3:])
             if row[1] != "TWIN":
-                device, name = device.split(":")[0], name.replace(":", "_")
+                device, name = device.split(":")[0], re.sub(r"\W+(?!$)", "_",
+                                                            name).strip(">")
             groups[-1].twins.append(Twin(stage, name, params_of(params), device, ref,
                                          given[0] if given else "",
                                          row[1] != "TWIN", row[1] == "EACH",

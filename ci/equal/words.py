@@ -4,6 +4,9 @@ addresses that are the same are one term.
 
 Assumed: what is widened with its sign did not overflow, as C leaves that undefined.
 """
+import functools
+import operator
+
 import floats
 from logic import choose, negate, of_constants, push, truth
 from term import FALSE, TABLE, Term, integers, make, signed
@@ -122,7 +125,24 @@ def shift_signed(a, b):
     if is_const(b) and b.args[0] == 0:
         return a
     found = of_constants(shift_signed, a, b)
+    if is_const(b):
+        found = found or shift_back(a, b.args[0])
     return found or make("ashr", (a, b), a.sort)
+
+
+def shift_back(a, n):
+    """a / 2^n of a sum that is a multiple of 2^zeros, n ≤ zeros: its other bits,
+    widened with their sign; else None."""
+    width = a.sort[1]
+    of, constant = parts(a)
+    low = constant | functools.reduce(operator.or_, of.values(), 0)
+    zeros = (low & -low).bit_length() - 1
+    if not of or n > zeros:
+        return None
+    inner = total(width, {term: factor >> zeros for term, factor in of.items()},
+                  constant >> zeros)
+    wide = extend_signed(cut(inner, 0, width - zeros), width)
+    return shift_left(wide, const(width, zeros - n))
 
 
 def conjunction(a, b):
@@ -216,6 +236,8 @@ def extend(a, width):
         return push(lambda x: extend(x, width), ("extend", width), a)
     if a.op == "extend":
         return extend(a.args[0], width)
+    if a.op == "leaf" and str(a.args[0]).startswith("%"): # a thread's number: < 2^31
+        return extend_signed(a, width)
     return make("extend", (a,), integers(width))
 
 
@@ -271,6 +293,8 @@ def cut(a, low, width):
         return cut(a.args[0], low + a.args[1], width)
     if a.op == "sum" and low == 0:
         return cut_sum(a, width)
+    if a.op == "times" and low == 0:
+        return mul(*(cut(x, 0, width) for x in a.args))
     if a.op == "bits" and a.args[0].op == "choice":
         return push(lambda x: cut(floats.bits(x), low, width), ("cut bits", low, width),
                     a.args[0])
