@@ -79,6 +79,18 @@ def params_of(text):
     return found
 
 
+def twin_of(kind, parts, group):
+    """The twin of a row."""
+    stage, name, params, *parts = parts
+    if kind == "TWIN":
+        device = parts.pop(0)
+    else:
+        device, name = name.split(":")[0], re.sub(r"[:<]", "_", name).rstrip(">")
+    ref, *given = parts
+    return Twin(stage, name, params_of(params), device, ref, given[0] if given else "",
+                kind != "TWIN", kind == "EACH", group)
+
+
 def read(path):
     """The groups of the table."""
     with open(path, encoding="utf-8") as file:
@@ -96,15 +108,7 @@ def read(path):
         elif row[1] == "HOLE":
             groups[-1].holes[parts[0]] = parts[1], int(parts[2])
         else:
-            stage, name, params, device, ref, *given = parts if row[1] == "TWIN" else (
-                parts[:3] + parts[1:2] + parts[3:])
-            if row[1] != "TWIN":
-                device, name = device.split(":")[0], re.sub(r"\W+(?!$)", "_",
-                                                            name).strip(">")
-            groups[-1].twins.append(Twin(stage, name, params_of(params), device, ref,
-                                         given[0] if given else "",
-                                         row[1] != "TWIN", row[1] == "EACH",
-                                         groups[-1]))
+            groups[-1].twins.append(twin_of(row[1], parts, groups[-1]))
     if text[at:].strip():
         raise SystemExit(f"{path}: not a row: {text[at:].strip()[:60]}")
     return groups
