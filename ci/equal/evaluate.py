@@ -87,8 +87,8 @@ def apply(term, v):
         return exact.rounded(sort, float(v[0]))
     if op in ("to_signed", "to_unsigned"):
         return exact.whole(v[0], bits, op == "to_signed")
-    if op.startswith("call "): # the sign that an unknown predicate finds
-        return random.Random(repr((op, v))).choice((0, 1, MASK[bits]))
+    if op.startswith("call "): # what an unknown predicate finds
+        return random.Random(repr((op, v))).random() < 1 / 3
     raise Unsupported("a value of " + op)
 
 

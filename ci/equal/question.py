@@ -8,6 +8,7 @@ import llvm
 import ptx
 import table
 import words
+from logic import choose
 from run import Memory, State, assume
 from term import TRUE, Unsupported, integers, is_float, leaf, make, width
 
@@ -65,12 +66,15 @@ def kernel_arguments(twin, module, memory, function):
 
 
 def hole(name, skipped):
-    """A callee of which nothing is known but that it depends on its operands."""
+    """A callee of which nothing is known but that it returns a sign, which depends on
+    its operands."""
     def called(machine, state, args):
         del machine, state
         args = [a[0] if isinstance(a, dict) else a for a in args]
         seen = () if skipped < 0 else tuple(args[skipped:])
-        return make("call " + name, seen, integers(32))
+        below, above = (make(f"call {name} {sign} 0", seen, "b") for sign in "<>")
+        positive = words.extend(above, 32)
+        return choose(below, words.const(32, -1), positive)
     return called
 
 

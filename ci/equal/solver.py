@@ -3,6 +3,7 @@
 integers of which none is constant, are uninterpreted functions; comparisons, signs,
 conversions and bits are interpreted."""
 import floats
+import words
 from term import WIDTH, Unsupported, float_of, is_float, kids, order
 
 try:
@@ -106,6 +107,8 @@ class Script:
         op, sort = term.op, term.sort
         if op in QUOTIENT and term.args[1].op == "int":
             return f"(bv{op} {' '.join(inner)})"
+        if op == "times" and all(map(words.is_choice_of_constants, term.args)):
+            return f"(bvmul {' '.join(inner)})"
         if op not in (*INTEGER, *NUMBER, "sum", "convert", "number",
                                        "extend", "extend_signed", "cut"):
             function = "|" + " ".join([op, kind(sort), *(kind(k.sort)
