@@ -26,7 +26,7 @@ define twin_of
 $(BUILD)/equal/%.$(1).ptx: $(BUILD)/equal/%.cu | $(NAMES)
 	$$(call show,PTX $$<$$(bits))$$(TO_PTX) -DREAL_BITS=$(1) $$< -o $$@
 $(BUILD)/equal/%.$(1).ll: $(BUILD)/equal/%.c | $(NAMES)
-	$$(call show,LLVM $$<$$(bits))$$(TO_LLVM) -DREAL_BITS=$(1) $$< -o $$@
+	$$(call show,LLVM $$<$$(bits))$$(TO_LLVM) -MF $$@.d -DREAL_BITS=$(1) $$< -o $$@
 endef
 $(foreach bits,32 64,$(eval $(call twin_of,$(bits))))
 -include $(wildcard $(BUILD)/equal/*.d)
