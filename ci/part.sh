@@ -155,6 +155,18 @@ counts)
     ;;
 buddha) with_tool sh ci/scenes.sh "$build" buddha ;;
 fuzz) count sh ci/fuzz.sh "$build" ;;
+ptx)
+    command -v nvcc >/dev/null 2>&1 || skip 'there is no nvcc'
+    # shellcheck disable=SC2016
+    count sh -c 'make -s -j"$1" BUILD="$0" ptx &&
+        python3 ci/equal/lint.py "$0"/ptx/gpu/*/*.ptx' "$build" "$jobs"
+    ;;
+equal) count sh ci/equal/prove.sh "$build" --quick ;;
+faults)
+    command -v nvcc >/dev/null 2>&1 || skip 'there is no nvcc'
+    needs clang 14
+    count python3 ci/equal/faults.py
+    ;;
 prove)
     needs gappa
     count sh ci/prove.sh

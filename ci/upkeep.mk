@@ -12,8 +12,9 @@ certify: ## compares ref and gpu on the device: ci/certificate.json
 	$(MAKE) GPU=yes $(BUILD)/check-cuda $(BUILD)/drape
 	sh ci/certify.sh $(BUILD) ci/certificate.json
 
-prove: ## Gappa bounds every constant of the filters anew
+prove: ## Gappa bounds the filters' constants; kernels are ref's, for every input
 	sh ci/prove.sh
+	sh ci/equal/prove.sh $(BUILD) $(if $(WRITE),--write)
 
 N ?= 60
 SEED ?= 1

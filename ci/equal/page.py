@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The tables of spec/proofs.md: which twins are proved, and what no proof reaches."""
+import re
+import textwrap
+
+import census
+
+PAGE = "spec/proofs.md"
+MARK = "<!-- `make prove WRITE=1` writes what follows. -->\n"
+BITS = (32, 64)
+
+
+def read():
+    """The page up to the tables, and the tables."""
+    with open(PAGE, encoding="utf-8") as file:
+        head, mark, tables = file.read().partition(MARK)
+    return head + mark, tables
+
+
+def recorded():
+    """(twin, bits) to what the page records: how it is proved, or `open: …`."""
+    found = {}
+    for name, how in re.findall(r"^\| \S+ \| `(\w+)`[^|]*\|[^|]*\| (.*?) \|$",
+                                read()[1], re.M):
+        for bits in BITS:
+            part = re.search(rf"{bits} bits: ([^;]*)", how)
+            found[name, bits] = part[1] if part else how
+    return found
+
+
+def why(how):
+    """Why a twin is open, whether the solver gave up or the clock rang."""
+    late = ("the solver does not know", "it takes too long")
+    return "the solver has no answer" if how in late else how
+
+
+def told(verdict):
+    """How a twin is proved in one precision, or that it is open."""
+    return verdict.how if verdict.kind == "equal" else f"open: {why(verdict.how)}"
+
+
+def both(parts):
+    """What is to be said of both precisions."""
+    if parts[0] == parts[1]:
+        return parts[0]
+    return "; ".join(f"{bits} bits: {how}" for bits, how in zip(BITS, parts))
+
+
+def given_of(twin):
+    """For which inputs a twin is proved."""
+    text = twin.given.replace("&&", "and").replace("||", "or")
+    return f"`{text}`" if text else "all"
+
+
+def twins_table(twins, how):
+    """A row for each twin."""
+    lines = ["| stage | device function or kernel | inputs | proved by |",
+             "| --- | --- | --- | --- |"]
+    for twin in twins:
+        what = ", whole" if twin.kernel else ""
+        lines.append(f"| {twin.stage} | `{twin.name}`{what} | {given_of(twin)} | "
+                     f"{how[twin.name]} |")
+    return "\n".join(lines)
+
+
+def census_table(twins):
+    """A row for each room of gpu/."""
+    lines = ["| room | reached | " + " | ".join(census.REASONS) + " |",
+             "| --- |" + " ---: |" * (1 + len(census.REASONS))]
+    for room, kinds in census.count(twins).items():
+        counts = [str(len(kinds[kind])) for kind in ("reached", *census.REASONS)]
+        lines.append(f"| {room} | " + " | ".join(counts) + " |")
+    return "\n".join(lines)
+
+
+def untouched(twins):
+    """The stages that have no row."""
+    with open("spec/stages.def", encoding="utf-8") as file:
+        stages = re.findall(r"^STAGE\(\w+, \w+, (\w+),", file.read(), re.M)
+    names = {twin.stage for twin in twins}
+    rest = ", ".join(stage for stage in stages if stage not in names)
+    return textwrap.fill(f"Stages without a row: {rest}.", 88)
+
+
+def tables(twins, how):
+    """Both tables."""
+    return (f"\n## 5 Twins\n\n{twins_table(twins, how)}\n\n{untouched(twins)}\n\n"
+            f"## 6 Device functions\n\n{census_table(twins)}\n")
+
+
+def write(twins, verdicts):
+    """Writes the tables. What was not asked now stays as it is recorded."""
+    how = {key: told(verdict) for key, verdict in verdicts.items()}
+    how = {**recorded(), **how}
+    text = {twin.name: both([how.get((twin.name, bits), "open: not asked")
+                             for bits in BITS]) for twin in twins}
+    head, _ = read()
+    with open(PAGE, "w", encoding="utf-8") as file:
+        file.write(head + tables(twins, text))
+
+
+def check(twins, verdicts):
+    """Whether the page has these twins, their inputs and the census of gpu/; with
+    verdicts also whether it says how each is proved."""
+    known, said, results = recorded(), read()[1], []
+    for twin in twins:
+        line = f"| {twin.stage} | `{twin.name}`"
+        results.append(line in said and f" | {given_of(twin)} | " in said)
+        if not results[-1]:
+            print(f"FAILED {PAGE}: it lacks {twin.name}, {given_of(twin)}: "
+                  "make prove WRITE=1")
+    names = {twin.name for twin in twins}
+    for name in sorted({name for name, _ in known} - names):
+        results.append(False)
+        print(f"FAILED {PAGE}: {name} is no row of ci/equal/twins.def")
+    results.append(census_table(twins) in said and untouched(twins) in said)
+    if not results[-1]:
+        print(f"FAILED {PAGE}: its census of stages and of gpu/ is of another tree: "
+              "make prove WRITE=1")
+    for (name, bits), verdict in (verdicts or {}).items():
+        now = "proved" if verdict.kind == "equal" else "open"
+        was = known.get((name, bits), "open")
+        if now == "proved" and was.startswith("open"):
+            results.append(False)
+            print(f"FAILED {PAGE}: {name} {bits} is proved: make prove WRITE=1")
+    return results

@@ -1,0 +1,39 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Proves that device code performs the operations of ref/: ci/equal/prove.py, with the
+# solver in an environment of its own. What is not installed is skipped by name.
+# usage: ci/equal/prove.sh BUILD [OPTION...]; ends with `N passed, N failed, N skipped`
+set -eu
+cd "$(dirname "$0")/../.."
+build=$1
+shift
+venv=$build/equal/venv
+
+skip() {
+    echo "skipped: twins: $1"
+    echo '0 passed, 0 failed, 1 skipped'
+    exit 0
+}
+
+command -v nvcc >/dev/null || skip 'there is no nvcc'
+clang --version 2>/dev/null | grep -q 'version 14\.' ||
+    skip 'clang is not of version 14 (Debian 12 has it)'
+python=python3
+case " $* " in
+*' --quick '*) ;;
+*)
+    if [ ! -e "$venv/made" ]; then
+        if python3 -m venv "$venv" && "$venv/bin/python" -m pip install -q \
+            -r ci/equal/requirements.txt; then
+            touch "$venv/made"
+        fi
+    fi
+    if [ -e "$venv/made" ]; then
+        python=$venv/bin/python
+    else
+        echo 'skipped: what needs the solver: pip has no bitwuzla'
+        set -- --quick
+    fi
+    ;;
+esac
+exec "$python" ci/equal/prove.py "$build" "$@"

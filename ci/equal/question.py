@@ -1,0 +1,194 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a row of ci/equal/twins.def asks: pairs of terms that must be equal."""
+import functools
+import re
+
+import floats
+import llvm
+import ptx
+import table
+import words
+from logic import choose
+from run import Memory, State, assume
+from term import TRUE, Unsupported, integers, is_float, leaf, make, width
+
+SCALARS = {"int": 32, "int32_t": 32, "uint32_t": 32, "int64_t": 64, "uint64_t": 64,
+           "unsigned": 32}
+ITEM = ("%ctaid.x", "%ntid.x", "%tid.x")
+ERRORS = ("bad", "words") # parameters of kernels that only tell of bad input
+
+
+@functools.cache
+def parsed(path, kind):
+    """A compiled file, parsed once."""
+    with open(path, encoding="utf-8") as file:
+        return kind(file.read())
+
+
+def argument(kind, name, bits):
+    """What a parameter of a wrapper holds, for the device and for the reference."""
+    if "*" in kind:
+        both = leaf(name, integers(64))
+        return both, both
+    if kind == "bool":
+        both = leaf(("argument", name), "b")
+        return words.extend(both, 8), both
+    if kind in ("real", "double", "float"):
+        sort = f"f{bits}" if kind == "real" else "f64" if kind == "double" else "f32"
+        both = floats.number(leaf(("argument", name), integers(width(sort))), sort)
+        return both, both
+    both = leaf(("argument", name), integers(SCALARS[kind]))
+    return both, both
+
+
+def kernel_arguments(twin, module, memory, function):
+    """The same of a kernel, whose arguments are one struct in memory, and the item."""
+    base, at, held = leaf("args", integers(64)), 0, []
+    params = llvm.Function(module, function, memory).params
+    for (kind, _), (_, of, _) in zip(twin.params, params):
+        by_reference = kind.startswith("struct ") and "*" not in kind
+        inner = of[1] if by_reference else of
+        align = module.align(inner)
+        at = -(-at // align) * align
+        there = words.add(base, words.const(64, at))
+        at += module.size(inner)
+        if by_reference:
+            held.append(there)
+            continue
+        found = memory.load(State(), there, module.size(inner))
+        sort = module.sort(inner)
+        if sort == "b":
+            found = words.relation("ne", found, words.const(8, 0), False)
+        held.append(floats.number(found, sort) if is_float(sort) else found)
+    block, size, thread = (words.extend(leaf(name, integers(32)), 64) for name in ITEM)
+    held.append(words.add(words.mul(block, size), thread))
+    return [ptx.Base(base)], held
+
+
+def hole(name, skipped):
+    """A callee of which nothing is known but that it returns a sign, which depends on
+    its operands."""
+    def called(machine, state, args):
+        del machine, state
+        args = [a[0] if isinstance(a, dict) else a for a in args]
+        seen = () if skipped < 0 else tuple(args[skipped:])
+        below, above = (make(f"call {name} {sign} 0", seen, "b") for sign in "<>")
+        positive = words.extend(above, 32)
+        return choose(below, words.const(32, -1), positive)
+    return called
+
+
+def fixed(memory, state, given):
+    """Writes what a precondition says an input is, so that loops see it."""
+    for part in given.args if given.op == "and" else (given,):
+        if part.op != "eq":
+            continue
+        a, b = part.args if words.is_const(part.args[1]) else part.args[::-1]
+        byte = a.args[1] // 8 if a.op == "cut" else 0
+        a = a.args[1] if a.op == "joined" else a.args[0] if a.op == "cut" else a
+        if words.is_const(b) and a.op == "leaf" and a.args[0][0] == "memory":
+            _, name, first = a.args[0]
+            at = words.add(memory.bases[name], words.const(64, first + byte))
+            memory.store(state, at, b)
+
+
+def is_number(term):
+    """Whether an integer in memory is the bits of a number."""
+    return term.op == "bits" or (term.op == "choice" and any(
+        map(is_number, term.args[1:])))
+
+
+def is_undefined(term):
+    """Whether a value is what local memory has before anything is written."""
+    return term.op == "leaf" and term.args[0][0] == "nothing"
+
+
+def cells(memory, ref, device, private):
+    """What either side has left in memory that is neither local nor private, as pairs
+    of terms. What the reference leaves undefined, as padding, is not compared."""
+    pairs = []
+    for base in {**ref.memory, **device.memory}:
+        if base in memory.locals or base in private:
+            continue
+        ours, theirs = ref.memory.get(base, {}), device.memory.get(base, {})
+        written, done = sorted(ours.keys() | theirs.keys()), None
+        for byte in written:
+            if done is not None and byte < done:
+                continue
+            count = size_at(ours if byte in ours else theirs, byte)
+            at = words.add(base, words.const(64, byte))
+            pair = [memory.load(side, at, count) for side in (ref, device)]
+            if any(map(is_number, pair)):
+                sort = {4: "f32", 8: "f64"}[count]
+                pair = [floats.number(x, sort) for x in pair]
+            if not is_undefined(pair[0]):
+                pairs.append(tuple(pair))
+            done = byte + count
+    return pairs
+
+
+def size_at(side, byte):
+    """The bytes of what begins at a byte: of a copy of two words the first."""
+    term, low = side[byte]
+    bits = term.sort[1] - 8 * low
+    if low == 0 and term.op == "joined":
+        bits = term.args[1].sort[1]
+    return bits // 8
+
+
+def entry_of(file, twin):
+    """The name in PTX of a kernel for one world."""
+    plain, of = re.match(r"(\w+)(?:<(\w+)>)?", twin.device).groups()
+    part = f"{len(plain)}{plain}" + (f"I{len(of)}{of}E" if of else "")
+    names = [n for n in file.functions if "one_kernel" in n and part in n
+             and "merged_kernel" not in n]
+    if len(names) != 1:
+        raise Unsupported(f"{len(names)} kernels of this name")
+    return names[0]
+
+
+def hooks_of(twin, bits, item):
+    """What stands for functions of the reference."""
+    group, hooks = twin.group, {}
+    for end in ("", f"_{bits}"):
+        for ref, n in group.holes.values():
+            hooks[ref + end] = hole(ref, min(n, 0))
+        for ref, value in group.valid.items():
+            found = TRUE if value == "true" else words.const(32, int(value))
+            hooks[ref + end] = lambda *_, found=found: found
+        if twin.each:
+            hooks[f"item of {re.match(r'[a-z_0-9]+', twin.ref)[0]}{end}"] = item
+    return hooks
+
+
+def question(build, twin, bits):
+    """Pairs of terms that must be equal, and the condition under which."""
+    group, memory = twin.group, Memory()
+    module = parsed(f"{build}/equal/{group.name}.{bits}.ll", llvm.Module)
+    names = map(table.link_name, group.linked)
+    module.linked = [parsed(f"{build}/equal/{name}.{bits}.ll", llvm.Module)
+                     for name in names]
+    function = f"twin_{twin.name}"
+    if twin.kernel:
+        path = re.sub(r"\.cu$", f".{bits}.ptx", group.device)
+        file = parsed(f"{build}/ptx/{path}", ptx.File)
+        name = entry_of(file, twin)
+        params, args = kernel_arguments(twin, module, memory, function)
+    else:
+        file = parsed(f"{build}/equal/{group.name}.{bits}.ptx", ptx.File)
+        name = function
+        params, args = zip(*(argument(kind, n, bits) for kind, n in twin.params))
+    given, hooks, args = TRUE, hooks_of(twin, bits, args[-1]), list(args)
+    if twin.given:
+        truth, _ = llvm.execute(module, f"given_{twin.name}", memory, args, None, hooks)
+        given = words.relation("ne", truth, words.const(32, 0), False)
+    start = State()
+    fixed(memory, start, given)
+    assume(start, given, True)
+    _, ref = llvm.execute(module, function, memory, args, start.copy(), hooks)
+    hooks = {device: hole(ref_name, skipped)
+             for device, (ref_name, skipped) in group.holes.items()}
+    device = ptx.execute(file, name, memory, params, start.copy(), hooks)
+    private = [arg for (_, n), arg in zip(twin.params, args)
+               if twin.kernel and n in ERRORS]
+    return cells(memory, ref, device, private), given
