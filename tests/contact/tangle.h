@@ -39,7 +39,7 @@ int tangle_broad(void *user, const uint8_t *touched, struct pairs *out);
 void tangle_start(struct tangle *t, vec a);
 /* Repulsion; or, where contacts take part in a solve, what finds them for it,
  * with a solve that moves nothing. Returns the status. */
-int tangle_respond(struct response *r, const struct pairs *near);
+int tangle_respond(struct response *r, const struct pairs *close);
 /* Starts a step and runs collision response. Returns the status. */
 int tangle_step(struct tangle *t, vec a);
 /* Counts the pairs that touch between x0 and x1, among all pairs. */
