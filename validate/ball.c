@@ -77,6 +77,7 @@ static double angle_due(double friction, double dt, double from)
 struct ride {
     int side, cells;
     double friction, dt, tolerance;
+    bool chaotic; /* the median of several starts counts */
 };
 
 /* Steps of dt for so long, with this friction, from s->x at rest, which becomes
@@ -109,7 +110,7 @@ static double go(struct sheet *s, drape_obstacle *ground, double friction,
 /* The sheet's way over a point's. It starts at rest, where half a second with
  * much friction has left it: as it is laid, it is above the facets' middles. */
 static double slide(const struct validate *v, const struct ride *r,
-                    double *most)
+                    double start, double *most)
 {
     static struct ground ground;
     struct sheet s;
@@ -120,7 +121,7 @@ static double slide(const struct validate *v, const struct ride *r,
     s.cloth.material.bend = 1e-6;
     double gap = fmin(s.cloth.material.thickness, h / 2);
     for (int p = 0; p < s.n; p++)
-        place(RADIUS + gap, START + (h * (p % side) - SIZE / 2) / RADIUS,
+        place(RADIUS + gap, start + (h * (p % side) - SIZE / 2) / RADIUS,
               (h * (p / side) - SIZE / 2) / RADIUS, s.x[p]);
     s.def.obstacles = &ground.obstacle;
     s.def.n_obstacles = 1;
@@ -132,6 +133,29 @@ static double slide(const struct validate *v, const struct ride *r,
     double way = (to - from) / (angle_due(r->friction, r->dt, from) - from);
     sheet_free(&s);
     return way;
+}
+
+static int compare(const void *a, const void *b)
+{
+    const double *x = a, *y = b;
+    return (*x > *y) - (*x < *y);
+}
+
+/* The way from START; of a chaotic ride the median of those from starts that
+ * are 2 µm apart. */
+static double usual_way(const struct validate *v, const struct ride *r,
+                        double *most)
+{
+    enum { STARTS = 5 };
+    double way[STARTS];
+    int n = r->chaotic ? STARTS : 1;
+    for (int k = 0; k < n; k++) {
+        way[k] = slide(v, r, START + 1e-6 * k, most);
+        if (!isfinite(way[k]))
+            return NAN;
+    }
+    qsort(way, (size_t)n, sizeof *way, compare);
+    return way[n / 2];
 }
 
 /* The way, and the quotient of contacts, at so many sizes: of a step, or of a
@@ -161,7 +185,7 @@ static void add_rides(struct validate *v, const char *name, bool promised,
                             .up_to = 1};
     for (int c = 0; c < sizes; c++) {
         double most = 0;
-        property_add(&p, size[c], slide(v, &ride[c], &most));
+        property_add(&p, size[c], usual_way(v, &ride[c], &most));
         property_add(&cone, size[c], fmax(1, most / ride[c].friction));
     }
     property_end(v, &p);
@@ -188,8 +212,8 @@ static void by_steps(struct validate *v)
         double step[SIZES];
         for (int c = 0; c < SIZES; c++) {
             step[c] = 1.0 / (60 << c);
-            ride[c] = (struct ride){21, kinds[k].cells, kinds[k].friction,
-                                    step[c], 1e-5};
+            ride[c] = (struct ride){21,      kinds[k].cells, kinds[k].friction,
+                                    step[c], 1e-5,           false};
         }
         add_rides(v, kinds[k].name, false, SIZES, ride, step);
     }
@@ -208,7 +232,8 @@ static void by_cells(struct validate *v)
         double cell[SIZES];
         for (int c = 0; c < SIZES; c++) {
             cell[c] = SIZE / (side[c] - 1);
-            ride[c] = (struct ride){side[c], 60, friction[k], 1.0 / 60, 1e-3};
+            ride[c] =
+                (struct ride){side[c], 60, friction[k], 1.0 / 60, 1e-3, false};
         }
         add_rides(v, name[k], false, SIZES, ride, cell);
     }
@@ -218,13 +243,15 @@ static void by_cells(struct validate *v)
  * of the small form. */
 static void coarse(struct validate *v)
 {
-    static const struct ride ride[SIZES] = {{21, 60, 0.3, 1.0 / 60, 1e-3},
-                                            {41, 60, 0.3, 1.0 / 60, 1e-3}};
+    static const struct ride ride[SIZES] = {
+        {21, 60, 0.3, 1.0 / 60, 1e-3, true},
+        {41, 60, 0.3, 1.0 / 60, 1e-3, true}};
     static const double cell[SIZES] = {SIZE / 20, SIZE / 40};
-    add_rides(v,
-              "facets of 40 mm; friction 0.3; cells of 10 and 5 mm; way over a "
-              "point's",
-              true, 2, ride, cell);
+    add_rides(
+        v,
+        "facets of 40 mm; friction 0.3; cells of 10 and 5 mm; median way over "
+        "a point's",
+        true, 2, ride, cell);
 }
 
 void part_ball(struct validate *v)
