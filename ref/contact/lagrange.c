@@ -28,7 +28,7 @@ static const real ANEW = R(0.2);  /* §4: of the same, what Newton's part may
 static const real EARTH = R(9.81); /* §3.4: m/s², the least g of the scale */
 static const real STRUCK = R(0.5); /* §5: of g dt */
 static const real COLUMN_MODULUS = R(1e4); /* Pa, coulomb.md §1: the modulus of
-                                     cloth across  its thickness */
+                                     cloth across its thickness */
 
 /* The loop under way. */
 struct loop {
