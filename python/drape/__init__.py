@@ -35,6 +35,7 @@ from .errors import (
 from .fabrics import Fabric, materials
 from .many import step_many
 from .mesh import Audit, Touches, audit, ccd, ccd_mesh
+from .pins import Pins, Pose
 from .record import Recorder
 from .reports import Memory, Outcome, PlanRow, Status, StepReport, Work
 from .scene import (
@@ -85,7 +86,9 @@ __all__ = [
     "OutOfMemoryError",
     "Outcome",
     "Pin",
+    "Pins",
     "PlanRow",
+    "Pose",
     "Recorder",
     "Region",
     "Reports",

@@ -23,9 +23,10 @@ from ._signals import Held
 from ._stretch import Stretch
 from .arrays import SharedArray, address, order
 from .bodies import Bodies
-from .control import Control, fault_of, told
+from .control import fault_of, told
 from .errors import DivergedError, Error, SceneError, check, warn
 from .mesh import Audit, audit
+from .pins import Pinning, Pins
 from .record import Recorder, picture
 from .reports import PARTS, Memory, Outcome, PlanRow, StepReport, Work
 from .saved import Saved
@@ -92,7 +93,7 @@ def _plain_wind(c: Any) -> dict[str, Any]:
     return {**_plain(c), "velocity": list(c.velocity)}
 
 
-class World(Bodies, Control, Saved, Closing):
+class World(Pinning, Bodies, Saved, Closing):
     """A scene that was made, and its state, which `step` advances.
 
     Calls on one world from several threads follow one another; worlds are
@@ -131,6 +132,8 @@ class World(Bodies, Control, Saved, Closing):
         self._report: StepReport | None = None
         self._reports = Reports()
         self._stretch = Stretch()
+        self._groups: dict[str, Pins] = {}
+        self._told: set[int] = set()  # cloths whose pins are not the scene's any more
         self._now = (0, 0.0)  # what the clock was after the last call
         self._handle: Handle | None = Handle(text, self._calls)
         self._calls.raise_kept()

@@ -10,9 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drape.contacts import Pairs
 from drape.errors import DivergedError, SceneError
 from drape.export.run import Body, Positions, make_body, make_cloth
 from drape.view.source import Contacts, on_cloths, step_words
@@ -28,18 +26,8 @@ def contacts_of(world: World) -> Contacts | None:
     except SceneError:
         return None
     cloths = sum(body.kind == "cloth" for body in world.bodies)
-    return located(pairs, world.read()[0], cloths)
-
-
-def located(pairs: Pairs, x: NDArray[np.float64], cloths: int) -> Contacts:
-    """Contacts at these positions: their places on side A, and the impulses that
-    cloth got, which is side B where A is of an obstacle."""
-    weight = pairs.weights.copy()
-    # side A has the vertex of kind 0, and the first edge of kind 1
-    weight[:, 2:] = 0
-    weight[pairs.kind == 0, 1] = 0
-    points = (weight[:, :, None] * x[pairs.vertices]).sum(1)
     impulses = on_cloths(pairs.bodies, pairs.impulses, cloths)
+    points = pairs.places(world.read()[0])
     return Contacts(points.astype(np.float32), impulses.astype(np.float32))
 
 
