@@ -24,7 +24,7 @@ ROW = np.dtype(
 )
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Pairs:
     """The pairs in contact in the last slice of a step, sides A and B: a vertex
     and a face, or two edges. A pair that met again in the slice is listed twice.
@@ -54,6 +54,11 @@ class Pairs:
         """How many pairs there are."""
         return len(self.kind)
 
+    def __repr__(self) -> str:
+        """How many pairs there are, and how long the slice was."""
+        name = f"drape.{type(self).__name__}"
+        return f"<{name}: {len(self)} pairs in {self.dt:.4g} s>"
+
     def places(self, positions: Any) -> NDArray[np.float64]:
         """Returns where pairs touch on side A, [n, 3] m, with the scene's vertices at
         these positions, [vertices, 3] m."""
@@ -66,7 +71,7 @@ class Pairs:
         return found
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Contacts(Pairs):
     """The pairs of the last step of a `World`. A body's number is that in
     `World.bodies`. A force is the mean of the step's last slice.

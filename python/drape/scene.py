@@ -50,6 +50,20 @@ def _same(a: Any, b: Any) -> bool:
     return bool(a == b)
 
 
+LONG = 80  # characters of a key's value beyond which its beginning is shown
+
+
+def _short(value: Any) -> str:
+    """Returns a key's value in few words."""
+    if hasattr(value, "shape") and hasattr(value, "dtype"):
+        return f"<{' × '.join(map(str, value.shape))} {value.dtype}>"
+    if isinstance(value, (list, tuple)) and value and isinstance(value[0], Keys):
+        return f"[{', '.join(map(_short, value))}]"
+    text = repr(value)
+    short = isinstance(value, Keys) or len(text) <= LONG
+    return text if short else reprlib.repr(value)
+
+
 # Where a scene has an object of a class whose keys are given.
 PLACES: dict[str, Callable[[Any], Any]] = {
     "Scene": lambda keys: keys,
@@ -103,6 +117,17 @@ class Keys:
             )
         return object.__new__(cls)
 
+    def __repr__(self) -> str:
+        """The keys that are given, arrays by their shape and type."""
+        pairs = (
+            (key.name, getattr(self, key.name))
+            for key in dataclasses.fields(self)  # type: ignore[arg-type]
+        )
+        words = (
+            f"{name}={_short(value)}" for name, value in pairs if value is not None
+        )
+        return f"drape.{type(self).__name__}({', '.join(words)})"
+
     def __eq__(self, other: object) -> bool:
         """Whether all keys say the same, arrays by their numbers."""
         if type(other) is not type(self):
@@ -113,7 +138,7 @@ class Keys:
         )
 
 
-@dataclass(kw_only=True, eq=False)
+@dataclass(kw_only=True, eq=False, repr=False)
 class Wind(Keys):
     """Air that moves with one velocity everywhere.
 
@@ -129,7 +154,7 @@ class Wind(Keys):
     lift: float | None = None
 
 
-@dataclass(kw_only=True, eq=False)
+@dataclass(kw_only=True, eq=False, repr=False)
 class Camera(Keys):
     """Where pictures are taken from.
 
@@ -150,7 +175,7 @@ class Camera(Keys):
     floor: Vector | None = None
 
 
-@dataclass(kw_only=True, eq=False)
+@dataclass(kw_only=True, eq=False, repr=False)
 class Look(Keys):
     """How a body looks in pictures.
 
@@ -166,7 +191,7 @@ class Look(Keys):
     check: bool | None = None
 
 
-@dataclass(kw_only=True, eq=False)
+@dataclass(kw_only=True, eq=False, repr=False)
 class Key(Keys):
     """A keyframe of a motion.
 
@@ -183,7 +208,7 @@ class Key(Keys):
     axis: Vector | None = None
 
 
-@dataclass(kw_only=True, eq=False)
+@dataclass(kw_only=True, eq=False, repr=False)
 class Motion(Keys):
     """A rigid motion by keyframes, which bodies and pins call by its name.
 
@@ -200,7 +225,7 @@ class Motion(Keys):
 TABLES = ("warp", "weft", "bias")
 
 
-@dataclass(kw_only=True, eq=False)
+@dataclass(kw_only=True, eq=False, repr=False)
 class Material(Keys):
     """What cloth is made of: a fabric's name, and numbers that override its own.
 
@@ -228,7 +253,7 @@ class Material(Keys):
     limit: float | Vector | None = None
 
 
-@dataclass(kw_only=True, eq=False)
+@dataclass(kw_only=True, eq=False, repr=False)
 class Start(Keys):
     """Where and how a cloth starts.
 
@@ -249,7 +274,7 @@ class Start(Keys):
     gap: float | None = None
 
 
-@dataclass(kw_only=True, eq=False)
+@dataclass(kw_only=True, eq=False, repr=False)
 class Region(Keys):
     """A part of a sheet at rest, m from its corner u0 v0.
 
@@ -262,7 +287,7 @@ class Region(Keys):
     rect: Vector | None = None
 
 
-@dataclass(kw_only=True, eq=False)
+@dataclass(kw_only=True, eq=False, repr=False)
 class Pin(Keys):
     """Particles that are held, or led by a motion.
 
@@ -278,7 +303,7 @@ class Pin(Keys):
     motion: str | None = None
 
 
-@dataclass(kw_only=True, eq=False)
+@dataclass(kw_only=True, eq=False, repr=False)
 class Cloth(Keys):
     """A rectangular sheet of m × n particles.
 
@@ -308,7 +333,7 @@ class Cloth(Keys):
     velocities: ArrayLike | None = None
 
 
-@dataclass(kw_only=True, eq=False)
+@dataclass(kw_only=True, eq=False, repr=False)
 class Frames(Keys):
     """Numbered mesh files of an obstacle that deforms.
 
@@ -324,7 +349,7 @@ class Frames(Keys):
     dt: float | None = None
 
 
-@dataclass(kw_only=True, eq=False)
+@dataclass(kw_only=True, eq=False, repr=False)
 class Obstacle(Keys):
     """A mesh that cloth collides with: from a file, made in code, or arrays.
 
@@ -375,7 +400,7 @@ class Obstacle(Keys):
     frame_dt: float | None = None
 
 
-@dataclass(kw_only=True, eq=False)
+@dataclass(kw_only=True, eq=False, repr=False)
 class Scene(Keys):
     """A scene: bodies, forces, and how a step is computed.
 

@@ -3,13 +3,17 @@
 
 from __future__ import annotations
 
+import base64
+import dataclasses
 import hashlib
+import html
 import os
+import tempfile
 import threading
 import weakref
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, SupportsIndex, cast, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +44,8 @@ def outcome_names(outcome: Outcome) -> str:
 
 
 class Reports(list[StepReport]):
-    """The reports of some steps, in their order."""
+    """The reports of some steps, in their order; and by a field's name, as
+    ``reports["kinetic"]``, an array of its values."""
 
     @property
     def outcome(self) -> Outcome:
@@ -55,6 +60,55 @@ class Reports(list[StepReport]):
         """Whether no step is trapped, passed or diverged, so that nothing intersects
         at the end of any step, and nothing went through anything."""
         return not self.outcome & NOT_CLEAN
+
+    @overload
+    def __getitem__(self, key: SupportsIndex) -> StepReport: ...
+    @overload
+    def __getitem__(self, key: slice) -> Reports: ...
+    @overload
+    def __getitem__(self, key: str) -> NDArray[Any]: ...
+
+    def __getitem__(self, key: SupportsIndex | slice | str) -> Any:
+        """A report, the reports of a slice, or a column of `columns`."""
+        if isinstance(key, str):
+            columns = self.columns()
+            if key not in columns:
+                raise KeyError(f"{key}: expected one of {', '.join(columns)}")
+            return columns[key]
+        return (
+            Reports(super().__getitem__(key))
+            if isinstance(key, slice)
+            else (super().__getitem__(key))
+        )
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """Returns an array [steps] of each field by its name: those of `StepReport`,
+        and of its parts, as "seconds.solver" and "work.near"."""
+        names = [field.name for field in dataclasses.fields(StepReport)]
+        plain = {
+            name: np.array([getattr(each, name) for each in self])
+            for name in names
+            if name not in ("seconds", "work")
+        }
+        seconds = {
+            f"seconds.{part}": np.array([each.seconds[part] for each in self])
+            for part in PARTS
+        }
+        work = {
+            f"work.{field.name}": np.array(
+                [getattr(each.work, field.name) for each in self]
+            )
+            for field in dataclasses.fields(Work)
+        }
+        return plain | seconds | work
+
+    def to_pandas(self) -> Any:
+        """Returns the columns as a data frame of pandas, a row a step."""
+        try:
+            import pandas
+        except ImportError as error:
+            raise Error("to_pandas needs pandas: pip install pandas") from error
+        return pandas.DataFrame(self.columns())
 
     def __repr__(self) -> str:
         """How many there are, and all that happened in any of the steps."""
@@ -342,15 +396,15 @@ class World(Pinning, Bodies, Saved, Closing):
         return self._triangles
 
     @property
-    def positions(self) -> Any:
+    def positions(self) -> NDArray[np.floating[Any]]:
         """[vertices, 3] m, read-only, the cloths in their order and then the
         obstacles. On the host a NumPy array that follows the world: after each
         call of `step` it holds the new state, until bodies come or go. On a
-        device a `SharedArray`."""
+        device a `SharedArray`, whose type `share` tells."""
         return self._array("x")
 
     @property
-    def velocities(self) -> Any:
+    def velocities(self) -> NDArray[np.floating[Any]]:
         """[vertices, 3] m/s, likewise."""
         return self._array("v")
 
@@ -363,9 +417,9 @@ class World(Pinning, Bodies, Saved, Closing):
             SharedArray(handle, "v"),
         )
 
-    def _array(self, field: str) -> NDArray[Any] | SharedArray:
+    def _array(self, field: str) -> NDArray[np.floating[Any]]:
         if self.backend == "gpu":
-            return SharedArray(self._open(), field)
+            return cast("NDArray[np.floating[Any]]", SharedArray(self._open(), field))
         owner = self._mirrors[field]() if field in self._mirrors else None
         if owner is None:
             shared = SharedArray(self._open(), field)
@@ -530,6 +584,19 @@ class World(Pinning, Bodies, Saved, Closing):
             f"<drape.World {self.name!r}: {len(self)} vertices, "
             f"{len(self.triangles)} triangles, {self.steps} steps, {self.time:g} s>"
         )
+
+    def _repr_html_(self) -> str:
+        """The world in a notebook: one line, and a picture of its state."""
+        line = f"<code>{html.escape(repr(self))}</code>"
+        if self._handle is None or self._recorder:
+            return line
+        try:
+            with tempfile.TemporaryDirectory(prefix="drape-") as folder:
+                path = self.render(Path(folder) / "a.png", width=480, height=360)
+                data = base64.b64encode(path.read_bytes()).decode()
+        except Error:  # this build has no tool, or the tool draws no pictures
+            return line
+        return f'{line}<br><img alt="the cloth now" src="data:image/png;base64,{data}">'
 
     def __reduce__(self) -> Any:
         """Refuses copies and pickles."""

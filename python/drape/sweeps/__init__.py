@@ -182,7 +182,8 @@ def _arrow() -> Any:
     try:
         import pyarrow.parquet
     except ImportError as error:
-        raise Error("drape.sweep needs pyarrow: pip install pyarrow") from error
+        text = f"drape.sweep needs pyarrow ({error}): pip install pyarrow"
+        raise Error(text) from error
     return pyarrow
 
 
