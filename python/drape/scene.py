@@ -460,19 +460,126 @@ class Scene(Keys):
     allow_intersecting: bool | None = None
     sleep: bool | None = None
 
+    @staticmethod
+    def load(path: str | os.PathLike[str]) -> Scene:
+        """Reads a scene's file as objects, whose keys can then be changed. Paths of
+        meshes, which begin in the file's folder, become whole ones.
+
+        Raises:
+            SceneError: the file is refused; the text says what and where
+        """
+        from ._define import read_scene, tree_of
+
+        text = _file(path)
+        made: Scene = _objects(tree_of(text), Scene)
+        folder = os.path.dirname(os.path.abspath(text.file))
+        for body in _only(made.cloths, Cloth):
+            for name in CLOTH_ARRAYS:
+                if isinstance(file := getattr(body, name), str):
+                    setattr(body, name, _npy(os.path.join(folder, file)))
+        for obstacle in _only(made.obstacles, Obstacle):
+            if isinstance(file := obstacle.mesh, str):
+                beside = os.path.join(folder, file)
+                obstacle.mesh = beside if os.path.exists(beside) else file
+            if isinstance(obstacle.frames, Frames) and obstacle.frames.files:
+                obstacle.frames.files = os.path.join(folder, obstacle.frames.files)
+        read_scene(dataclasses.replace(read(made), file=text.file))
+        return made
+
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the scene as a file, which `World` and the tool take, and which
         appears complete or not at all. Paths of meshes begin in its folder.
 
-        Raises:
-            SceneError: a body is given by arrays, which a file cannot hold
+        Arrays go into files beside it, whose names begin as its own: obstacles of
+        arrays as PLY, `positions` and `velocities` of cloths as NumPy's, which
+        `World` takes and the tool refuses.
         """
         made = read(self)
-        if any(made.cloths) or any(made.obstacles):
-            raise SceneError(f"{os.fspath(path)}: a scene's file cannot hold arrays")
-        text = json.dumps(json.loads(made.text), indent=2, ensure_ascii=False)
+        tree = json.loads(made.text)
+        file = Path(path)
+        for k, arrays in enumerate(made.cloths):
+            for name, value in arrays.items():
+                beside = file.with_name(f"{file.stem}.cloth{k}.{name}.npy")
+                with _whole.beside(beside) as part:
+                    where = f"cloths[{k}].{name}"
+                    np.save(part, array(value, (None, 3), where), allow_pickle=False)
+                tree["cloths"][k][name] = beside.name
+        for k, arrays in enumerate(made.obstacles):
+            if arrays:
+                del tree["obstacles"][k]["shape"]
+                name = f"{file.stem}.obstacle{k}"
+                tree["obstacles"][k] |= _put_mesh(file.parent, name, arrays, k)
+        text = json.dumps(tree, indent=2, ensure_ascii=False)
         _whole.write(path, (text + "\n").encode())
 
+
+def _objects(tree: Any, kind: type[Any]) -> Any:
+    """Returns an object of a class for a mapping of its keys, with objects in it;
+    what is no mapping is returned as it is, for the reader to refuse."""
+    if isinstance(tree, list):
+        return [_objects(each, kind) for each in tree]
+    if not isinstance(tree, Mapping):
+        return tree
+    inner = INSIDE.get(kind, {})
+    keys = {
+        key: _objects(value, inner[key]) if key in inner else value
+        for key, value in tree.items()
+    }
+    try:
+        return kind(**keys)
+    except TypeError as error:
+        raise SceneError(str(error)) from None
+
+
+def _only(bodies: Any, kind: type[T]) -> list[T]:
+    """Returns the objects of a class in what may be no list of them."""
+    found = bodies if isinstance(bodies, list) else []
+    return [each for each in found if isinstance(each, kind)]
+
+
+def _npy(path: str) -> NDArray[Any]:
+    """Returns the array of a file of NumPy's."""
+    try:
+        found = np.load(path, allow_pickle=False)
+    except (OSError, ValueError) as error:
+        raise SceneError(f"{path}: expected an array of NumPy's: {error}") from None
+    if not isinstance(found, np.ndarray):
+        raise SceneError(f"{path}: expected one array, a file .npy")
+    return found
+
+
+def _put_mesh(folder: Path, name: str, arrays: Arrays, k: int) -> dict[str, Any]:
+    """Writes an obstacle's arrays as PLY; returns the keys that name the files."""
+    where = f"obstacles[{k}]"
+    if "triangles" not in arrays:
+        raise SceneError(f"{where}: its arrays lack triangles")
+    tri = array(arrays["triangles"], (None, 3), f"{where}.triangles", kind=np.int32)
+    if "vertices" in arrays:
+        x = array(arrays["vertices"], (None, 3), f"{where}.vertices")
+        _whole.write(folder / f"{name}.ply", _meshes.ply(x, tri))
+        return {"mesh": f"{name}.ply"}
+    frames = array(
+        arrays.get("vertex_frames"), (None, None, 3), f"{where}.vertex_frames"
+    )
+    for at, x in enumerate(frames):
+        _whole.write(folder / f"{name}_{at:04d}.ply", _meshes.ply(x, tri))
+    series = {"files": f"{name}_%04d.ply", "first": 0, "count": len(frames)}
+    return {"frames": {**series, "dt": float(arrays.get("frame_dt", 1 / 60))}}
+
+
+# The classes of a class's keys that are objects, or lists of objects.
+INSIDE: dict[type[Any], dict[str, type[Any]]] = {
+    Motion: {"keys": Key},
+    Cloth: {
+        **{"start": Start, "material": Material, "holes": Region, "cuts": Region},
+        **{"pins": Pin, "look": Look},
+    },
+    Obstacle: {"frames": Frames, "look": Look},
+    Scene: {
+        **{"cloths": Cloth, "obstacles": Obstacle, "motions": Motion},
+        **{"wind": Wind, "camera": Camera},
+    },
+}
 
 CLOTH_ARRAYS = ("positions", "velocities")
 OBSTACLE_ARRAYS = ("vertices", "triangles", "vertex_frames", "frame_dt")
@@ -608,12 +715,10 @@ def read(scene: SceneLike, folder: str | os.PathLike[str] | None = None) -> Text
     if isinstance(scene, Text):
         return scene
     if isinstance(scene, (str, os.PathLike)):
-        file = os.fspath(scene)
-        try:  # the reader says what is wrong with bytes that are not UTF-8
-            text = Path(file).read_text(encoding="utf-8", errors="surrogateescape")
-        except OSError as error:
-            raise SceneError(f"{file}: {error.strerror}") from error
-        return Text(text, file, [], [])
+        text = _file(scene)
+        if not any(f'"{name}"' in text.text for name in CLOTH_ARRAYS):
+            return text
+        return dataclasses.replace(read(Scene.load(scene)), file=text.file)
     tree = as_dict(scene)
     if not isinstance(tree, dict):
         raise SceneError(f"expected a scene, a mapping or a path, not {scene!r}")
@@ -623,6 +728,16 @@ def read(scene: SceneLike, folder: str | os.PathLike[str] | None = None) -> Text
     ]
     file = os.path.join(folder, "scene") if folder else "scene"
     return Text(as_text(tree, "scene"), file, cloths, obstacles)
+
+
+def _file(path: str | os.PathLike[str]) -> Text:
+    """Returns the text of a scene's file."""
+    file = os.fspath(path)
+    try:  # the reader says what is wrong with bytes that are not UTF-8
+        text = Path(file).read_text(encoding="utf-8", errors="surrogateescape")
+    except OSError as error:
+        raise SceneError(f"{file}: {error.strerror}") from error
+    return Text(text, file, [], [])
 
 
 def as_text(tree: Any, file: str) -> str:
