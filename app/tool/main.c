@@ -73,11 +73,13 @@ static const struct command {
      "Direction --up becomes +y, the largest dimension S, and the mesh\n"
      "stands on y = 0 in the middle of x and z. OUT ends in .ply, .obj,\n"
      ".stl, .glb, .dae or .fbx; - is PLY on standard output.\n"},
-    {"export", command_export, "write a run as USD, glTF or Alembic",
+    {"export", command_export, "write a run as USD, glTF, Alembic, VTK …",
      "drape export DIR --to FILE [--every K]\n"
-     "FILE ends in .usdc, .usda, .usd, .glb or .abc and gets the frames "
-     "there,\n"
-     "or every K-th of them. It is part of the Python package.\n"},
+     "FILE ends in .usdc, .usda, .usd, .glb, .abc or .npz and gets the frames\n"
+     "there, or every K-th of them. A name as frame_%04d.vtu is a file a "
+     "frame,\n"
+     "and ends in .ply, .obj, .off, .stl, .vtk or .vtu.\n"
+     "It is part of the Python package.\n"},
     {"view", command_view, "show a run or a scene in a web browser",
      "drape view DIR|SCENE.json [--port N] [--host NAME]\n"
      "Serves a page that shows the run, or the scene while it is computed.\n"

@@ -35,6 +35,7 @@ from .errors import (
 from .fabrics import Fabric, materials
 from .many import step_many
 from .mesh import Audit, Touches, audit, ccd, ccd_mesh
+from .meshes import Mesh, read_meshes
 from .pins import Pins, Pose
 from .record import Recorder
 from .reports import Memory, Outcome, PlanRow, Status, StepReport, Work
@@ -81,6 +82,7 @@ __all__ = [
     "Look",
     "Material",
     "Memory",
+    "Mesh",
     "Motion",
     "Obstacle",
     "OutOfMemoryError",
@@ -112,6 +114,7 @@ __all__ = [
     "grid",
     "info",
     "materials",
+    "read_meshes",
     "step_many",
     "sweep",
     "tool",

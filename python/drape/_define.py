@@ -73,11 +73,15 @@ class Handle:
         lib.drape_destroy(self.made)
 
 
-def read_scene(text: scenes.Text) -> Any:
-    """Returns what the tool's reader makes of a scene: a struct scene."""
+def read_scene(text: scenes.Text, notes: bool = True) -> Any:
+    """Returns what the tool's reader makes of a scene, a struct scene; without the
+    warnings that it notes, if these are not for the caller."""
     data = text.text.encode(errors="surrogateescape")
     out = ffi.new("struct scene **")
-    check_code(lib.core_read(data, len(data), os.fsencode(text.file), out))
+    code = lib.core_read(data, len(data), os.fsencode(text.file), out)
+    if not notes:
+        lib.core_notes()  # which forgets them
+    check_code(code)
     return ffi.gc(out[0], lib.core_free)
 
 

@@ -582,6 +582,8 @@ INSIDE: dict[type[Any], dict[str, type[Any]]] = {
 }
 
 CLOTH_ARRAYS = ("positions", "velocities")
+# What is in a scene's file if it may have what the tool's reader does not know.
+BEYOND_THE_TOOL = ('"positions"', '"velocities"', ".usd", ".abc", ".npz")
 OBSTACLE_ARRAYS = ("vertices", "triangles", "vertex_frames", "frame_dt")
 # What a scene's file may say of an obstacle whose mesh is given by arrays.
 OBSTACLE_KEYS = ("name", "friction", "motion", "look")
@@ -590,8 +592,9 @@ OBSTACLE_KEYS = ("name", "friction", "motion", "look")
 def as_dict(value: Any) -> Any:
     """Returns a scene's object as the mappings and lists of its keys; arrays
     stay as they are."""
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        pairs = ((f.name, getattr(value, f.name)) for f in dataclasses.fields(value))
+    if isinstance(value, Keys):
+        names = [f.name for f in dataclasses.fields(value)]  # type: ignore[arg-type]
+        pairs = ((name, getattr(value, name)) for name in names)
         return {key: as_dict(item) for key, item in pairs if item is not None}
     if isinstance(value, Mapping):
         return {key: as_dict(item) for key, item in value.items()}
@@ -679,16 +682,24 @@ def _take_cloth(k: int, body: Any) -> Arrays:
     return arrays
 
 
-def _take_obstacle(k: int, body: Any) -> Arrays:
+def _take_obstacle(k: int, body: Any, folder: str) -> Arrays:
     """Takes an obstacle's arrays; the reader gets a plane in their place, which
     the world's definition never sees."""
+    from .meshes import BEYOND, Mesh, merged, read_meshes
+
     arrays = _take(body, OBSTACLE_ARRAYS)
     mesh = body.get("mesh") if isinstance(body, dict) else None
-    if mesh is not None and not isinstance(mesh, (str, os.PathLike)):
+    path = isinstance(mesh, (str, os.PathLike))
+    if mesh is not None and (not path or str(mesh).lower().endswith(BEYOND)):
         where = f"obstacles[{k}].mesh"
         if arrays:
             raise SceneError(f"{where}: it has vertices, and so has {min(arrays)}")
-        arrays["vertices"], arrays["triangles"] = _meshes.mesh_of(mesh, where)
+        if path:
+            arrays = merged(read_meshes(os.path.join(folder, mesh)), where)
+        elif isinstance(mesh, Mesh):
+            arrays = merged({mesh.name: mesh}, where)
+        else:
+            arrays["vertices"], arrays["triangles"] = _meshes.mesh_of(mesh, where)
         del body["mesh"]
     if arrays:
         for key in sorted(set(body) - set(OBSTACLE_KEYS)):
@@ -716,7 +727,7 @@ def read(scene: SceneLike, folder: str | os.PathLike[str] | None = None) -> Text
         return scene
     if isinstance(scene, (str, os.PathLike)):
         text = _file(scene)
-        if not any(f'"{name}"' in text.text for name in CLOTH_ARRAYS):
+        if not any(word in text.text for word in BEYOND_THE_TOOL):
             return text
         return dataclasses.replace(read(Scene.load(scene)), file=text.file)
     tree = as_dict(scene)
@@ -724,7 +735,8 @@ def read(scene: SceneLike, folder: str | os.PathLike[str] | None = None) -> Text
         raise SceneError(f"expected a scene, a mapping or a path, not {scene!r}")
     cloths = [_take_cloth(k, body) for k, body in enumerate(_bodies(tree, "cloths"))]
     obstacles = [
-        _take_obstacle(k, body) for k, body in enumerate(_bodies(tree, "obstacles"))
+        _take_obstacle(k, body, os.fspath(folder or ""))
+        for k, body in enumerate(_bodies(tree, "obstacles"))
     ]
     file = os.path.join(folder, "scene") if folder else "scene"
     return Text(as_text(tree, "scene"), file, cloths, obstacles)

@@ -543,6 +543,19 @@ class World(Pinning, Bodies, Saved, Closing):
     def _end_record(self) -> None:
         self._recorder = None
 
+    def export(self, path: str | os.PathLike[str]) -> Path:
+        """Writes the state now as a file, by its ending: .ply, or by the package
+        meshio (the extra `mesh`) .obj, .off, .stl, .vtk, .vtu; or .npz, with
+        velocities, triangles, the sheet at rest and where each body's rows are.
+
+        Returns:
+            the path
+        """
+        from .export.arrays import write_world
+
+        write_world(self, Path(path))
+        return Path(path)
+
     def render(
         self,
         path: str | os.PathLike[str],
