@@ -46,10 +46,17 @@ static const struct command {
      "on machines that were measured, or on those in what `make bench` "
      "wrote.\n"},
     {"audit", command_audit, "count intersecting triangle pairs, exactly",
-     "drape audit MESH... | DIR [--obstacle MESH] [--list]\n"
+     "drape audit MESH... | DIR [--obstacle MESH] [--list] [--frames] "
+     "[--between]\n"
      "Meshes are tested against themselves and each other; those given by\n"
      "--obstacle not against themselves. DIR is what `run` wrote: every\n"
-     "frame there is tested. --list prints the pairs. Exit status 1 on any.\n"},
+     "frame there is tested. --list prints the pairs. Exit status 1 on any.\n"
+     "--frames: each MESH is a frame of one mesh, as any program made it;\n"
+     "--between: what touches on the straight way to the next frame counts, "
+     "too.\n"
+     "These two, and files .npz, .usd and .abc with all their frames, need "
+     "the\n"
+     "Python package.\n"},
     {"render", command_render, "make pictures and a film of a run",
      "drape render DIR [options]\n"
      "  --frame N        this frame only (default: a film of all that are "

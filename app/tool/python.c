@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Runs `drape export` and `drape view`, which are written in Python
+/* Runs the commands that are written in Python
  * (python/drape): the process replaces itself by a Python interpreter. */
 #include "app/tool/options.h"
 
@@ -23,9 +23,7 @@ static char program[] =
     "    sys.exit(3)\n"
     "sys.exit(main(sys.argv[1:]))\n";
 
-/* Replaces the process by Python. Returns only if that fails: the exit code,
- * after a line that says why. */
-static int become_python(char *name, int argc, char **argv)
+int become_python(char *name, int argc, char **argv)
 {
     char **words = calloc((size_t)argc + 6, sizeof *words);
     if (!words)

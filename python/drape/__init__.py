@@ -38,6 +38,7 @@ from .mesh import Audit, Touches, audit, ccd, ccd_mesh
 from .meshes import Mesh, read_meshes
 from .pins import Pins, Pose
 from .record import Recorder
+from .referee import Verdict, audit_frames
 from .reports import Memory, Outcome, PlanRow, Status, StepReport, Work
 from .scene import (
     Camera,
@@ -103,10 +104,12 @@ __all__ = [
     "Sweep",
     "Touches",
     "Variant",
+    "Verdict",
     "Wind",
     "Work",
     "World",
     "audit",
+    "audit_frames",
     "ccd",
     "ccd_mesh",
     "examples",
