@@ -91,6 +91,18 @@ static const struct command {
      "drape view DIR|SCENE.json [--port N] [--host NAME]\n"
      "Serves a page that shows the run, or the scene while it is computed.\n"
      "It is part of the Python package.\n"},
+    {"sweep", command_sweep, "run many variants of a scene",
+     "drape sweep SCENE.json --out DIR --set KEY=V,V... | --draw KEY=LO..HI\n"
+     "  --set KEY=V,V...   each value of a key, as cloths.0.material.bend; of\n"
+     "                     several keys all combinations\n"
+     "  --draw KEY=LO..HI  at random between two numbers, --count N times,\n"
+     "                     from --seed S\n"
+     "  --frames N         frames to make (default: the scene's)\n"
+     "  --every K          keep the positions of every K-th\n"
+     "  --workers N        at a time (default: as many as processors)\n"
+     "  --on local|ray|slurm  where; --option TEXT: of sbatch, once each\n"
+     "Writes DIR/table.parquet and the arrays of each; what is there already "
+     "is\nnot run again. It is part of the Python package.\n"},
     {"fetch-models", command_fetch_models,
      "fetch the statues of drape's own scenes",
      "drape fetch-models DIR [--from FROM]\n"

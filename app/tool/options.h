@@ -51,6 +51,7 @@ int command_convert(int argc, char **argv);
 int command_materials(int argc, char **argv);
 int command_export(int argc, char **argv);
 int command_view(int argc, char **argv);
+int command_sweep(int argc, char **argv);
 int command_fetch_models(int argc, char **argv);
 
 /* Replaces the process by Python, which runs a command of that name. Returns

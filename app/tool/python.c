@@ -91,3 +91,23 @@ int command_view(int argc, char **argv)
                        "view: expected one DIR, a run's, or SCENE.json");
     return status == APP_OK ? become_python("view", argc, argv) : status;
 }
+
+int command_sweep(int argc, char **argv)
+{
+    const char *text;
+    int number;
+    const struct option_row options[] = {
+        TEXT_OPTION("--out", &text),
+        TEXT_OPTION("--set", &text),
+        TEXT_OPTION("--draw", &text),
+        INT_OPTION("--count", &number, 1, 1000000),
+        INT_OPTION("--seed", &number, 0, 1000000000),
+        INT_OPTION("--frames", &number, 0, 1000000),
+        INT_OPTION("--every", &number, 0, 1000000),
+        INT_OPTION("--workers", &number, 1, 100000),
+        TEXT_OPTION("--on", &text),
+        TEXT_OPTION("--option", &text),
+        {0}};
+    int status = check(options, argc, argv, "sweep: expected one SCENE.json");
+    return status == APP_OK ? become_python("sweep", argc, argv) : status;
+}

@@ -55,7 +55,7 @@ from .scene import (
     Start,
     Wind,
 )
-from .sweeps import Sweep, Variant, grid, sweep
+from .sweeps import Sweep, Variant, grid, sample, sweep
 from .world import Reports, World
 
 __version__ = _version(_whose.NAME)
@@ -118,6 +118,7 @@ __all__ = [
     "info",
     "materials",
     "read_meshes",
+    "sample",
     "step_many",
     "sweep",
     "tool",

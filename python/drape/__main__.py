@@ -18,6 +18,7 @@ COMMANDS = {
     "audit-frames": "drape.referee",
     "examples": "drape.examples",
     "export": "drape.export.cli",
+    "sweep": "drape.sweeps.cli",
     "view": "drape.view.cli",
 }
 
