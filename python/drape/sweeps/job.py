@@ -94,7 +94,14 @@ def _drawn(axis: Sequence[Any] | Draw, generator: np.random.Generator) -> Any:
         value = float(generator.uniform(low, high))
     else:
         value = axis[int(generator.integers(len(axis)))]
-    return value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
+    return _plain(value)
+
+
+def _plain(value: Any) -> Any:
+    """Returns a value with plain numbers in place of NumPy's."""
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    return [_plain(each) for each in value] if isinstance(value, list) else value
 
 
 def _variant(scene: scenes.SceneLike, parameters: dict[str, Any]) -> Variant:
@@ -111,6 +118,8 @@ def _variant(scene: scenes.SceneLike, parameters: dict[str, Any]) -> Variant:
 
 
 def _told(value: Any) -> str:
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(map(_told, value))}]"
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
