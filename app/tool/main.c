@@ -88,8 +88,9 @@ static const struct command {
      "and ends in .ply, .obj, .off, .stl, .vtk or .vtu.\n"
      "It is part of the Python package.\n"},
     {"view", command_view, "show a run or a scene in a web browser",
-     "drape view DIR|SCENE.json [--port N] [--host NAME]\n"
-     "Serves a page that shows the run, or the scene while it is computed.\n"
+     "drape view DIR|SCENE.json|MESH [--port N] [--host NAME] [--paused]\n"
+     "Serves a page that shows the run, or the scene while it is computed and\n"
+     "can be touched, or frames of meshes, as .npz, .usd, .ply.\n"
      "It is part of the Python package.\n"},
     {"sweep", command_sweep, "run many variants of a scene",
      "drape sweep SCENE.json --out DIR --set KEY=V,V... | --draw KEY=LO..HI\n"

@@ -83,12 +83,13 @@ int command_export(int argc, char **argv)
 int command_view(int argc, char **argv)
 {
     const char *host;
-    int port;
+    int port, paused;
     const struct option_row options[] = {INT_OPTION("--port", &port, 0, 65535),
+                                         FLAG_OPTION("--paused", &paused),
                                          TEXT_OPTION("--host", &host),
                                          {0}};
     int status = check(options, argc, argv,
-                       "view: expected one DIR, a run's, or SCENE.json");
+                       "view: expected one DIR, a run's, SCENE.json, or MESH");
     return status == APP_OK ? become_python("view", argc, argv) : status;
 }
 

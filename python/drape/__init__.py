@@ -56,6 +56,7 @@ from .scene import (
     Wind,
 )
 from .sweeps import Sweep, Variant, grid, sample, sweep
+from .viewer.show import Viewer, view
 from .world import Reports, World
 
 __version__ = _version(_whose.NAME)
@@ -105,6 +106,7 @@ __all__ = [
     "Touches",
     "Variant",
     "Verdict",
+    "Viewer",
     "Wind",
     "Work",
     "World",
@@ -122,4 +124,5 @@ __all__ = [
     "step_many",
     "sweep",
     "tool",
+    "view",
 ]

@@ -19,7 +19,7 @@ COMMANDS = {
     "examples": "drape.examples",
     "export": "drape.export.cli",
     "sweep": "drape.sweeps.cli",
-    "view": "drape.view.cli",
+    "view": "drape.viewer.cli",
 }
 
 # Arguments by which `audit` is of frames of other programs: app/tool/audit.c.

@@ -13,7 +13,7 @@ import threading
 import weakref
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, SupportsIndex, cast, overload
+from typing import TYPE_CHECKING, Any, SupportsIndex, cast, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +34,9 @@ from .pins import Pinning, Pins
 from .record import Recorder, picture
 from .reports import PARTS, Memory, Outcome, PlanRow, StepReport, Work
 from .saved import Saved
+
+if TYPE_CHECKING:
+    from .viewer.show import Viewer
 
 NOT_CLEAN = Outcome.TRAPPED | Outcome.PASSED | Outcome.DIVERGED
 
@@ -555,6 +558,13 @@ class World(Pinning, Bodies, Saved, Closing):
 
         write_world(self, Path(path))
         return Path(path)
+
+    def view(self, **how: Any) -> Viewer:
+        """Shows the world on a page for a web browser, where it can be touched; the
+        arguments are those of `drape.view`."""
+        from .viewer.show import view
+
+        return view(self, **how)
 
     def render(
         self,

@@ -14,8 +14,8 @@ from apps.runs import FRAMES, moving
 from drape.contacts import Contacts
 from drape.errors import SceneError
 from drape.export import Run
-from drape.view import live
-from drape.view.source import on_cloths
+from drape.viewer import live
+from drape.viewer.source import on_cloths
 
 
 @pytest.fixture
@@ -114,7 +114,7 @@ def test_contacts_hold_a_cloth_up(scene: Path) -> None:
     before, after = source.contacts(0), source.contacts(FRAMES)
     assert before is not None and not len(before.points)
     assert after is not None and len(after.points) > 10
-    assert after.impulses[:, 1].sum() > 0
+    assert after.forces[:, 1].sum() > 0
     assert np.linalg.norm(after.points - [0, 0.2, 0], axis=1).max() < 0.6
 
 
