@@ -21,4 +21,10 @@ rm -rf python/docs/made "$work/site"
 "$python" python/docs/gallery.py python/docs/made/gallery "$@"
 echo "docs: the pages"
 "$python" -m sphinx -q -W --keep-going -b html python/docs "$work/site"
+for word in garment instal gripper docker audit viewer seam; do
+    grep -q "[{,]\"$word\":" "$work/site/searchindex.js" || {
+        echo "docs: the site's search does not find $word" >&2
+        exit 1
+    }
+done
 echo "$work/site/index.html"

@@ -60,6 +60,33 @@ def tool() -> str:
     return "\n".join(parts)
 
 
+def c_api() -> str:
+    """Returns the page of the library's header: each declaration with its comment."""
+    text = (ROOT / "spec/drape.h").read_text(encoding="utf-8")
+    text = text[
+        text.index("/* What a call returns") : text.index("#ifdef __cplusplus\n}")
+    ]
+    parts = ["# The C API\n", "This is `drape.h`, the whole of it.\n"]
+    # a paragraph ends at an empty line outside of braces
+    for each in re.split(r"\n\n(?=/\*|[a-z#])", text):
+        found = re.match(r"\s*/\*(.*?)\*/\s*(.*)", each, re.DOTALL)
+        prose, code = (found[1], found[2]) if found else ("", each.strip())
+        if not code or code.startswith("#"):
+            continue
+        names = re.findall(
+            r"\b(drape_\w+)\(", re.sub(r"/\*.*?\*/", "", code, flags=re.S)
+        )
+        name = re.match(r"(?:typedef )?(struct|enum) (\w+)", code)
+        if name:
+            names = [f"{name[1]} {name[2]}" if name[1] == "enum" else name[2]]
+        words = re.sub(r"\s*\n \* ?", " ", prose).strip().replace("*", "\\*")
+        parts.append(
+            f"## {', '.join(dict.fromkeys(names)) or 'Constants'}\n\n{words}\n"
+        )
+        parts.append(f"```c\n{code}\n```\n")
+    return "\n".join(parts)
+
+
 def choices(text: str, name: str) -> str:
     """Returns the values of a table of texts."""
     found = re.search(rf"{name}\[\] = \{{(.*?)NULL", text, re.DOTALL)
@@ -125,6 +152,7 @@ def write(folder: Path) -> None:
     """Writes the pages."""
     folder.mkdir(exist_ok=True)
     (folder / "tool.md").write_text(tool(), encoding="utf-8")
+    (folder / "capi.md").write_text(c_api(), encoding="utf-8")
     (folder / "keys.md").write_text(scene(), encoding="utf-8")
     for path in (ROOT / "python/docs/tutorials").glob("*.ipynb"):
         page = folder / f"{path.stem}.md"
