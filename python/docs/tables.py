@@ -63,6 +63,7 @@ def tool() -> str:
 def c_api() -> str:
     """Returns the page of the library's header: each declaration with its comment."""
     text = (ROOT / "spec/drape.h").read_text(encoding="utf-8")
+    text = re.sub(r"(?<![\w/])(\w+/\w+\.md)", r"spec/\1", text)
     text = text[
         text.index("/* What a call returns") : text.index("#ifdef __cplusplus\n}")
     ]
