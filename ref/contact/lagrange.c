@@ -12,9 +12,10 @@
 #include "ref/sleep/sleep.h"
 #include "ref/world/state.h"
 
-/* §3: most linear systems of a slice; §4: of Newton's part after them, which
- * starts far from balance; most trials of a line search. */
-enum { SOLVES = 12, NEWTONS = 40, TRIALS = 12 };
+/* §3.4: linear systems after which an end need not be as near to balance; most
+ * of a slice, and of Newton's part after them; most trials of a line search. */
+enum { SOLVES = 12, MOST = 40, TRIALS = 12 };
+static const real LATE = 10;        /* §3.4: times `tolerance`, from then on */
 static const real FORCING = R(0.1); /* §3.2: tolerance of a linear system */
 static const real NESTED = R(0.3);  /* §3.3: the inner residual is this part of
                                        the outer one where multipliers are
@@ -39,6 +40,7 @@ struct loop {
     real carried; /* §4 */
     real scale;   /* §3.4 */
     real outer;   /* the last one */
+    real met;     /* §4: what the pairs met last push */
     int from;     /* linear systems when this part of the slice began */
     int most;     /* linear systems */
     bool fresh;   /* the law was evaluated since M was made */
@@ -399,6 +401,22 @@ static void take_contacts(struct loop *s)
     make_preconditioner(s);
 }
 
+/* Takes in the pairs that were met. §4: a loose end asks what they push: by how
+ * much they change `outer`. */
+static void take_met(struct loop *s, bool loose)
+{
+    struct world *w = s->w;
+    const vec *outer = s->a->law.outer;
+    vec *change = s->a->joint.q;
+    if (loose)
+        w->run->copy(w->on, change, outer, (size_t)w->nc * sizeof *change);
+    take_contacts(s);
+    if (loose && loop_continues(s)) {
+        w->run->lessen(w->on, w->nc, 1, outer, change);
+        s->met = measure_residual(s, change);
+    }
+}
+
 /* §4: whether linear springs have left much undone. From here on they are
  * linearised at each iterate. */
 static bool needs_linearisation(struct loop *s)
@@ -418,7 +436,7 @@ static bool needs_linearisation(struct loop *s)
         return false;
     s->a->newton = true;
     s->from = s->a->solves;
-    s->most = s->from + NEWTONS;
+    s->most = s->from + MOST;
     return loop_continues(s);
 }
 
@@ -429,14 +447,15 @@ static bool iterate_loop(struct loop *s)
     bool loose = a->newton && s->w->plan.newton <= 1;
     s->outer = measure_residual(s, a->law.outer);
     weigh_residuals(s);
-    real enough = (real)s->w->def.tolerance * s->scale;
+    real tight = (real)s->w->def.tolerance * s->scale;
+    real enough = a->newton || a->solves < SOLVES ? tight : LATE * tight;
     if (loose)
-        enough = real_max(enough, ANEW * s->carried);
+        enough = real_max(tight, ANEW * s->carried);
     bool last = a->solves >= s->most;
-    bool known = !loose || s->moved || s->clean;
-    bool done = known && s->outer <= enough;
+    bool solved = !loose || s->moved || s->met <= tight;
+    bool done = solved && s->outer <= enough;
     if (s->moved && (done || last || a->solves == s->from + 1) && find_met(s)) {
-        take_contacts(s);
+        take_met(s, loose);
         if (!last)
             return loop_continues(s);
     }
@@ -456,7 +475,7 @@ static struct loop loop_of(struct world *w)
     return (struct loop){.w = w,
                          .a = &w->lagrange,
                          .g_dt = real_max(size, EARTH) * (real)w->dt,
-                         .most = w->plan.newton > 1 ? NEWTONS : SOLVES,
+                         .most = MOST,
                          .moved = true};
 }
 
