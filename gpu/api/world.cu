@@ -5,7 +5,6 @@
 
 extern "C" {
 #include "gpu/run/gpu.h"
-#include "gpu/world/make.h"
 #include "gpu/world/state.h"
 #include "ref/api/ops.h"
 #include "ref/control/control.h"

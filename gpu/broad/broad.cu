@@ -6,6 +6,7 @@
 
 extern "C" {
 #include "gpu/broad/broad.h"
+#include "gpu/run/backend.h"
 #include "ref/base/trace.h"
 #include "ref/broad/cones.h"
 #include "ref/broad/extent.h"

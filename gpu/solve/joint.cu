@@ -477,7 +477,7 @@ static void write_solve(struct solve *a, const struct joint_system *w,
     a->begin.with_r = 1;
 }
 
-int gpu_joint_set_up(const struct joint_system *w)
+int gpu_joint_system_set_up(const struct joint_system *w)
 {
     struct solve a;
     gpu_hand_over(w->gpu);
@@ -487,7 +487,8 @@ int gpu_joint_set_up(const struct joint_system *w)
     return status;
 }
 
-int gpu_joint_measure(const struct joint_system *w, const vec *r, real *value)
+int gpu_joint_system_measure(const struct joint_system *w, const vec *r,
+                             real *value)
 {
     struct gpu *g = w->gpu;
     struct joint_state fresh = {};
@@ -504,7 +505,7 @@ int gpu_joint_measure(const struct joint_system *w, const vec *r, real *value)
     return gpu_status(g);
 }
 
-int gpu_joint(const struct joint_system *w)
+int gpu_joint_system_solve(const struct joint_system *w)
 {
     struct joint *s = w->joint;
     struct gpu *g = w->gpu;

@@ -7,9 +7,7 @@
 extern "C" {
 #include "gpu/broad/broad.h"
 #include "gpu/compare/blas.h"
-#include "gpu/world/backend.h"
-#include "gpu/world/kinematics.h"
-#include "gpu/world/make.h"
+#include "gpu/run/backend.h"
 #include "gpu/world/sheet.h"
 #include "gpu/world/state.h"
 #include "gpu/world/systems.h"

@@ -4,7 +4,6 @@
 extern "C" {
 #include "gpu/cloth/motion.h"
 #include "gpu/cloth/rate.h"
-#include "gpu/world/kinematics.h"
 #include "gpu/world/sheet.h"
 #include "gpu/world/state.h"
 #include "ref/base/packed.h"

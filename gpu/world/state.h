@@ -6,7 +6,11 @@
 
 #include "ref/world/state.h"
 
-struct gpu;
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+struct edited;
 struct joint_part;
 struct linked;
 
@@ -26,5 +30,15 @@ struct gpu_world {
     struct mutual *mutual;
     struct joint_part *part; /* host [n_cloths] the cloths in the joint solve */
 };
+
+/* Does what world_make_edited says, on the device that is current in this
+ * thread. gpu/world/make.cu */
+int gpu_make_edited(const drape_def *def, const struct edited *edited,
+                    struct arena *arena, struct world **world,
+                    drape_error *error);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

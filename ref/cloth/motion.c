@@ -140,7 +140,7 @@ static int finish_motion(struct dynamics *s, int status)
     return DRAPE_OK;
 }
 
-int ref_motion(struct dynamics *s)
+int motion_run(struct dynamics *s)
 {
     begin_motion(s);
     return finish_motion(s, dynamics_implicit(s->method)
@@ -148,7 +148,7 @@ int ref_motion(struct dynamics *s)
                                 : explicit_steps(s));
 }
 
-int ref_motion_part(struct dynamics *s, enum motion_part part)
+int motion_run_part(struct dynamics *s, enum motion_part part)
 {
     switch (part) {
     case MOTION_OPEN:

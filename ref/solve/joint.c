@@ -23,7 +23,7 @@ static struct pcg part_of(const struct sheet *s, const struct joint *a)
     return p;
 }
 
-int joint_set_up(struct world *w, struct joint *a)
+int ref_joint_set_up(struct world *w, struct joint *a)
 {
     int status = DRAPE_OK;
     for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++) {
@@ -148,7 +148,8 @@ static void take_residual(struct joint *a, const vec *b)
     }
 }
 
-int joint_measure(struct world *w, struct joint *a, const vec *r, real *value)
+int ref_joint_measure(struct world *w, struct joint *a, const vec *r,
+                      real *value)
 {
     take_residual(a, r);
     *value = apply_preconditioner(w, a);
@@ -181,7 +182,7 @@ static void improve_solution(const struct world *w, struct joint *a)
         a->dv[i] = vec_axpy(a->dv[i], part, a->q[i]);
 }
 
-int joint_solve(struct world *w, struct joint *a)
+int ref_joint_solve(struct world *w, struct joint *a)
 {
     a->iterations = 0;
     take_residual(a, a->b);

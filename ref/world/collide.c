@@ -72,7 +72,8 @@ static int find_near(struct world *w, const vec *to, real r)
 int collide_far(struct world *w, drape_step_report *r, double *last,
                 bool *again)
 {
-    *again = slice_too_far(w, 4 * w->run->furthest(w->on, w->nv, w->x0, w->x1));
+    *again = slice_too_far(
+        w, 4 * w->run->prescribed_furthest(w->on, w->nv, w->x0, w->x1));
     if (!*again)
         return w->run->status(w->on);
     int status = find_near(w, w->x1, 0);

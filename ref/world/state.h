@@ -77,7 +77,7 @@ struct list {
 struct world {
     drape_def def; /* only its scalars and motions are used after creation */
     const struct backend *run; /* the functions of the backend */
-    void *on;                  /* the first argument of those functions */
+    struct gpu *on;            /* the first argument of those functions */
     struct gpu_world *device;  /* NULL: the backend is the reference */
     struct world *home;        /* the world whose streams are on the host: this
                                   one, or the one that a device's was made of */

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "gpu/broad/broad.h"
+#include "gpu/run/backend.h"
 #include "gpu/run/gpu.h"
 #include "gpu/world/state.h"
 #include "ref/base/clock.h"
