@@ -362,18 +362,8 @@ static void multiply_matrix(const struct joint_system *w, const struct solve *a)
     each_cloth(w, [&](int k) {
         const struct joint_part *s = &w->part[k];
         const struct pcg *p = &s->pcg;
-        struct product m = {.m = p->m,
-                            .n = p->n,
-                            .count = p->count,
-                            .mass = p->mass,
-                            .n_extra = 0,
-                            .extra = NULL,
-                            .n_blocks = p->n_cdf ? 0 : p->n_blocks,
-                            .block = p->block,
-                            .n_cdf = p->n_cdf,
-                            .cdf = p->cdf,
-                            .x = a->dv + s->first,
-                            .y = a->q + s->first};
+        struct product m = pcg_product(p, a->dv + s->first, a->q + s->first);
+        m.n_extra = 0;
         return gpu_product(g, &m);
     });
     LAUNCH(g, a->nc, joint_conclude_kernel, *a);

@@ -74,18 +74,10 @@ static void multiply_matrix(struct world *w, const struct joint *a,
         const struct pcg *p = &s->solver.pcg;
         if (!sleep_awake(w, k))
             continue;
-        struct product m = {.m = p->m,
-                            .n = p->n,
-                            .count = p->count,
-                            .mass = p->mass,
-                            .n_extra = with_singles ? p->count : 0,
-                            .extra = a->single + s->first,
-                            .n_blocks = p->n_cdf ? 0 : p->n_blocks,
-                            .block = s->dynamics.block,
-                            .n_cdf = p->n_cdf,
-                            .cdf = p->cdf,
-                            .x = x + s->first,
-                            .y = y + s->first};
+        struct product m = pcg_product(p, x + s->first, y + s->first);
+        m.n_extra = with_singles ? p->count : 0;
+        m.extra = a->single + s->first;
+        m.block = s->dynamics.block;
         ref_product(&m);
     }
     EACH_ITEM
