@@ -15,9 +15,8 @@ struct joint_part;
 struct linked;
 
 struct gpu_world {
-    struct world
-        world;          /* the world that is stepped; its streams and those of
-                           its stages are in device memory; broad.arena is NULL */
+    struct world world; /* the world that is stepped; its streams and those of
+                           its stages are in device memory */
     struct world *host; /* made by ref/world/world.c and never stepped; its
                            streams are used to read, save and load a state */
     struct gpu *gpu;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A backend: the table of functions by which the host's code calls stages. The
- * host's decisions (ref/world, ref/contact/response.c, failsafe.c and
- * lagrange.c) are written once. They use the table of the world's backend,
- * which ref/world/backend.c fills for the reference and gpu/world/backend.cu
- * for a device. spec/world/step.md §12 */
+ * host's decisions (ref/world, ref/broad/broad.c, and response.c, failsafe.c
+ * and lagrange.c of ref/contact) are written once. They use the table of the
+ * world's backend, which ref/world/backend.c fills for the reference and
+ * gpu/world/backend.cu for a device. spec/world/step.md §12 */
 #ifndef REF_BACKEND_H
 #define REF_BACKEND_H
 
@@ -44,8 +44,8 @@ struct backend {
     /* Gives the pool room for `need` items, and for more, so that growth is
      * rare. kept: the contents must outlast a linear solve. DRAPE_OK or
      * DRAPE_ENOMEM. */
-    int (*grow)(struct gpu *on, struct pool *pool, int64_t need, size_t size,
-                bool kept);
+    int (*grow)(struct gpu *on, struct pool *pool, enum arena_part part,
+                int64_t need, size_t size, bool kept);
     /* Gives back a stream of `take`, or NULL. */
     void (*give)(struct gpu *on, void *p);
     void (*copy)(struct gpu *on, void *to, const void *from, size_t bytes);

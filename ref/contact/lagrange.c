@@ -540,7 +540,8 @@ static void finish_loop(struct loop *s)
     struct pool *kept = &a->kept[1];
     int64_t n = w->response.active;
     if (n > kept->cap)
-        note_status(s, w->run->grow(w->on, kept, n, sizeof(struct kept), true));
+        note_status(s, w->run->grow(w->on, kept, ARENA_RESPONSE, n,
+                                    sizeof(struct kept), true));
     struct retain r = {.nv = w->nv,
                        .n = n,
                        .w = w->w,

@@ -69,7 +69,8 @@ static int solve_contacts(struct response *s, int64_t n, int warm)
 /* The contacts: the implicit solve reads them. */
 static int grow_contacts(const struct response *s, struct pool *p, int64_t need)
 {
-    return s->run->grow(s->on, p, need, sizeof(struct contact), true);
+    return s->run->grow(s->on, p, ARENA_RESPONSE, need, sizeof(struct contact),
+                        true);
 }
 
 /* §3 */

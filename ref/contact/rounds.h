@@ -125,8 +125,8 @@ static inline int response_grow(const struct response *s, int n,
     int status = DRAPE_OK;
     for (int k = 0; k < n && status == DRAPE_OK; k++)
         if (pool_need[k].need > pool_need[k].pool->cap)
-            status = s->run->grow(s->on, pool_need[k].pool, pool_need[k].need,
-                                  pool_need[k].size, false);
+            status = s->run->grow(s->on, pool_need[k].pool, ARENA_RESPONSE,
+                                  pool_need[k].need, pool_need[k].size, false);
     return status;
 }
 

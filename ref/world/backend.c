@@ -22,12 +22,12 @@ static void *take_stream(struct gpu *on, enum arena_part part, int64_t n,
     return arena_take(arena_of(on), part, n, size);
 }
 
-static int grow_pool(struct gpu *on, struct pool *pool, int64_t need,
-                     size_t size, bool kept)
+static int grow_pool(struct gpu *on, struct pool *pool, enum arena_part part,
+                     int64_t need, size_t size, bool kept)
 {
     (void)kept;
     need += need / 4 + 64;
-    void *p = arena_take(arena_of(on), ARENA_RESPONSE, need, size);
+    void *p = arena_take(arena_of(on), part, need, size);
     if (!p)
         return DRAPE_ENOMEM;
     arena_give(arena_of(on), pool->data);
@@ -111,20 +111,6 @@ void ref_motion_laws(struct gpu *on, struct sheet *s)
 {
     (void)on; /* the stages read them in struct cloth */
     (void)s;
-}
-
-int ref_broad_meshes_apart(struct gpu *on, struct broad *b, const vec *x0,
-                           const vec *x1, real r, bool *apart)
-{
-    (void)on;
-    return broad_meshes_apart(b, x0, x1, r, apart);
-}
-
-int ref_broad_query(struct gpu *on, struct broad *b, const vec *x0,
-                    const vec *x1, real r, const uint8_t *moved)
-{
-    (void)on;
-    return broad_query(b, x0, x1, r, moved);
 }
 
 int ref_ending_streams(struct gpu *on, struct audit *s, int64_t nt,

@@ -43,7 +43,8 @@ static int copy_kept(const struct world *w, struct pool *to, int64_t *n_to,
     int status = DRAPE_OK;
     *n_to = 0;
     if (n > to->cap)
-        status = w->run->grow(w->on, to, n, sizeof(struct kept), true);
+        status = w->run->grow(w->on, to, ARENA_RESPONSE, n, sizeof(struct kept),
+                              true);
     if (status != DRAPE_OK)
         return status;
     w->run->copy(w->on, to->data, from->data, (size_t)n * sizeof(struct kept));
