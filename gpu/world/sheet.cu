@@ -102,6 +102,7 @@ void gpu_sheet_make(struct gpu_world *d, int k)
     gpu_kinematics_make(g, ARENA_CLOTH, &h->pins, d->world.posed, &s->pins);
     GPU_TAKE_COPY(g, s->pins.x, ARENA_CLOTH, h->pins.x, h->pins.n);
     m->cloth = c;
+    m->solver = s;
     int64_t vecs = motion_vecs(m);
     GPU_TAKE_COPY(g, m->chunk, ARENA_SOLVER, NULL, 3 * sum_chunks(c->count));
     if (!dynamics_implicit(m->method)) {

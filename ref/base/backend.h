@@ -14,6 +14,7 @@
 struct blend;
 struct broad;
 struct contact;
+struct dynamics;
 struct joint;
 struct jumps;
 struct response;
