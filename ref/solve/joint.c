@@ -5,7 +5,6 @@
 
 #include "ref/base/sum.h"
 #include "ref/sleep/sleep.h"
-#include "ref/solve/jacobi.h"
 #include "ref/solve/product.h"
 #include "ref/world/state.h"
 
@@ -52,15 +51,9 @@ static real apply_preconditioner(struct world *w, struct joint *a)
         struct pcg p = part_of(&w->sheet[k], a);
         if (!sleep_awake(w, k))
             continue;
+        p.s = a->q + w->sheet[k].first;
         pcg_open(&p);
-        vec *z = a->q + w->sheet[k].first;
-        if (p.precond == DRAPE_MULTIGRID)
-            ref_multigrid_cycle(&p.grid);
-        EACH_ITEM
-        for (int64_t i = 0; i < p.count; i++)
-            z[i] = p.precond == DRAPE_MULTIGRID
-                       ? p.s[i]
-                       : factor_solve(p.factor[i], p.r[i]);
+        pcg_precondition(&p);
     }
     return dot_streams(a, a->r, a->q);
 }

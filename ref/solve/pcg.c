@@ -59,8 +59,7 @@ static void multiply_matrix(struct pcg *s, const vec *x, vec *y)
     ref_product(&a);
 }
 
-/* Sets s->s to M⁻¹ r. */
-static void apply_preconditioner(struct pcg *s)
+void pcg_precondition(struct pcg *s)
 {
     if (s->precond == DRAPE_MULTIGRID && !s->fell_back) {
         ref_multigrid_cycle(&s->grid);
@@ -244,7 +243,7 @@ static int iterate_gradients(struct pcg *s, real square)
 {
     real rho = 0, left = square;
     for (bool first = true; s->iterations < s->max_iterations; first = false) {
-        apply_preconditioner(s);
+        pcg_precondition(s);
         real next = dot_streams(s, s->r, s->s);
         if (s->energy && has_converged(s, next, left))
             return PCG_CONVERGED;

@@ -91,6 +91,9 @@ int ref_pcg_set_up(struct pcg *s);
 /* The product y = A x with the matrix of a solve. */
 struct product pcg_product(const struct pcg *s, const vec *x, vec *y);
 
+/* Sets s to M⁻¹ r, by Jacobi where multigrid has broken down. */
+void pcg_precondition(struct pcg *s);
+
 /* §2: sets r to the true residual b - A (dv + low), 0 where fixed. */
 void residual_find(const struct pcg *s);
 
