@@ -260,14 +260,14 @@ static void move_iterate(struct loop *s, real part)
                       .v = w->v1,
                       .x1 = w->x1,
                       .touched = w->response.touched};
-    w->run->shift(w->on, &m);
+    w->run->unknowns_shift(w->on, &m);
     s->moved = true;
     s->clean = false;
     if (s->a->newton) {
         note_status(s, move_cloths(w, MOTION_BALANCE));
         take_rest(w);
     } else {
-        w->run->lessen(w->on, w->nc, part, j->q, s->a->rest);
+        w->run->unknowns_lessen(w->on, w->nc, part, j->q, s->a->rest);
     }
     if (loop_continues(s))
         evaluate_contacts(s, false, false);
@@ -313,7 +313,7 @@ static void solve_step(struct loop *s)
     j->max_iterations = s->w->def.max_iterations;
     if (!loop_continues(s))
         return;
-    note_status(s, s->w->run->joint(s->w, j));
+    note_status(s, s->w->run->joint_solve(s->w, j));
     s->w->run->trace(s->w->on, s->w->tracing, "joint", j->dv,
                      (size_t)s->w->nc * sizeof *j->dv);
     a->solves++;
@@ -354,7 +354,7 @@ static void carry_multipliers(struct loop *s)
 {
     struct world *w = s->w;
     struct carry c = carry_of(s);
-    note_status(s, w->run->slice_room(w, c.n));
+    note_status(s, w->run->unknowns_room(w, c.n));
     if (s->status == DRAPE_OK)
         note_status(s, w->run->carry(w->on, &c));
     if (s->status != DRAPE_OK)
@@ -369,8 +369,9 @@ static real find_reach(struct loop *s)
 {
     struct world *w = s->w;
     real spare = (w->response.range - 1) * w->thinnest;
-    real most =
-        loop_continues(s) ? w->run->furthest(w->on, w->nv, w->x0, w->x1) : 0;
+    real most = loop_continues(s)
+                    ? w->run->prescribed_furthest(w->on, w->nv, w->x0, w->x1)
+                    : 0;
     return 4 * most > spare * spare ? w->reach : 0;
 }
 
@@ -529,7 +530,7 @@ static void take_jump(struct loop *s, const struct retain *r)
                       .start = a->law.start,
                       .item = a->law.item,
                       .push = a->jump};
-    w->run->jump(w->on, &m);
+    w->run->unknowns_jump(w->on, &m);
     if (!(dot_streams(s, a->jump, a->jump, NULL) > 0) || !loop_continues(s))
         return;
     j->b = a->jump;
@@ -541,13 +542,13 @@ static void take_jump(struct loop *s, const struct retain *r)
     clear_asleep(s);
     note_status(s, w->run->joint_set_up(w, j));
     if (loop_continues(s))
-        note_status(s, w->run->joint(w, j));
+        note_status(s, w->run->joint_solve(w, j));
     if (!loop_continues(s))
         return;
     a->iterations += j->iterations;
     w->run->copy(w->on, a->jump, j->dv, (size_t)w->nc * sizeof *a->jump);
     if (state_has_past(w))
-        w->run->lessen(w->on, w->nc, R(1.0) / 3, a->jump, w->v1);
+        w->run->unknowns_lessen(w->on, w->nc, R(1.0) / 3, a->jump, w->v1);
 }
 
 /* §5: what the next slice carries on, and the velocities after impacts. */
@@ -558,7 +559,8 @@ static void finish_loop(struct loop *s)
     struct pool *kept = &a->kept[1];
     int64_t n = w->response.active;
     if (n > kept->cap)
-        note_status(s, w->run->grow(w->on, kept, n, sizeof(struct kept), true));
+        note_status(s, w->run->grow(w->on, kept, ARENA_RESPONSE, n,
+                                    sizeof(struct kept), true));
     struct retain r = {.nv = w->nv,
                        .n = n,
                        .w = w->w,
