@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs the blocks of code in a page, each in a folder of its own.
 
-usage: lines.py PAGE.md…      blocks of Python
+usage: lines.py PAGE.md…      blocks of Python; where a block of text follows one
+                              directly, that is what it prints
+       lines.py --write PAGE.md… writes what they print into these blocks of text, and
+                              gives one to each block of Python that prints
        lines.py --sh PAGE.md… the commands `drape` of blocks of the shell, in a short
                               form: two frames, small pictures, and `drape view`
                               until it serves. All others are listed.
@@ -16,6 +19,7 @@ import subprocess
 import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -38,16 +42,45 @@ exec {python} -m drape "$@"
 """
 
 
-def blocks(text: str, language: str) -> list[str]:
+@dataclass
+class Block:
+    """A block of code in a page, and what the page shows that it prints."""
+
+    page: str
+    number: int
+    code: str
+    shown: str | None
+    end: int
+    """Where the page goes on behind it."""
+    printed: str = ""
+
+
+def blocks(page: str, language: str) -> list[Block]:
     """Returns a page's blocks of a language."""
-    pattern = rf"^```{language}\n(.*?)^```$"
-    return re.findall(pattern, text, re.MULTILINE | re.DOTALL)
+    text = Path(page).read_text(encoding="utf-8")
+    pattern = rf"^```{language}\n(.*?)^```\n(?:\n```text\n(.*?)^```\n)?"
+    found = re.finditer(pattern, text, re.MULTILINE | re.DOTALL)
+    return [
+        Block(page, k, each[1], each[2], each.end()) for k, each in enumerate(found, 1)
+    ]
+
+
+def write(page: str, made: list[Block]) -> None:
+    """Writes what the blocks of a page have printed into it."""
+    text = Path(page).read_text(encoding="utf-8")
+    for block in reversed(made):
+        tail = f"\n```text\n{block.shown}```\n" if block.shown is not None else ""
+        new = f"\n```text\n{block.printed}```\n" if block.printed else ""
+        start = block.end - len(tail)
+        text = text[:start] + new + text[block.end :]
+    Path(page).write_text(text, encoding="utf-8")
 
 
 def commands(block: str, folder: Path) -> tuple[list[str], list[str]]:
     """Returns the command line of a block's commands of the tool, and its other
     commands. The folder gets the tool, the scenes, and a PATH."""
-    lines = [line for line in block.splitlines() if line and line[0] != "#"]
+    whole = re.sub(r"\\\n\s*", "", block)  # lines that go on
+    lines = [line for line in whole.splitlines() if line and line[0] != "#"]
     tool = [line for line in lines if re.match(r"(build/)?drape ", line)]
     build = folder / "build"
     build.mkdir()
@@ -59,33 +92,40 @@ def commands(block: str, folder: Path) -> tuple[list[str], list[str]]:
     return ["sh", "-c", script], [line for line in lines if line not in tool]
 
 
-def run(page: str, number: int, block: str, language: str) -> bool:
-    """Runs a block in a folder of its own, and says how it ended."""
+def run(block: Block, language: str, shown: bool) -> bool:
+    """Runs a block in a folder of its own, and says how it ended. shown: whether it
+    is to print what the page shows."""
     others: list[str] = []
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-c", block]
+        command = [sys.executable, "-c", block.code]
         if language == "sh":
-            command, others = commands(block, Path(folder))
+            command, others = commands(block.code, Path(folder))
         done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
     tail = done.stderr[-1000:] if done.returncode else ""
-    print(f"{page}, block {number}: exit status {done.returncode}\n{tail}", end="")
+    block.printed = done.stdout
+    where = f"{block.page}, block {block.number}"
+    print(f"{where}: exit status {done.returncode}\n{tail}", end="")
     for line in others:
         print(f"  not run: {line}")
-    return done.returncode == 0
+    same = language == "sh" or not shown or (block.shown or "") == done.stdout
+    if not same:
+        print(f"{where}: it prints\n{done.stdout}where the page shows\n{block.shown}")
+    return done.returncode == 0 and same
 
 
 def main(arguments: list[str]) -> int:
     """Runs the blocks, two at a time, and returns how many fail."""
-    language = "sh" if arguments[:1] == ["--sh"] else "python"
-    pages = arguments[1:] if language == "sh" else arguments
-    texts = {page: Path(page).read_text(encoding="utf-8") for page in pages}
-    jobs = [
-        (page, number, block, language)
-        for page, text in texts.items()
-        for number, block in enumerate(blocks(text, language), 1)
-    ]
+    option = arguments[0] if arguments[:1] in (["--sh"], ["--write"]) else ""
+    language = "sh" if option == "--sh" else "python"
+    pages = arguments[1:] if option else arguments
+    jobs = {page: blocks(page, language) for page in pages}
+    all_ = [block for page in pages for block in jobs[page]]
     with ThreadPoolExecutor(2) as pool:
-        good = list(pool.map(lambda job: run(*job), jobs))
+        shown = option != "--write"
+        good = list(pool.map(lambda block: run(block, language, shown), all_))
+    if option == "--write":
+        for page in pages:
+            write(page, jobs[page])
     return len(good) - sum(good) if good else 1
 
 

@@ -169,8 +169,8 @@ int mesh_load_clip(struct pool *pool, const char *path, struct clip *clip,
     if (ends_with(path, "usd") || ends_with(path, "usda") ||
         ends_with(path, "usdc") || ends_with(path, "usdz"))
         return complain(APP_USAGE,
-                        "%s: drape cannot read USD yet (spec/limits.md); save "
-                        "the mesh as .glb, .obj or .ply",
+                        "%s: the Python package reads USD (read_meshes), the "
+                        "tool does not; save the mesh as .glb, .obj or .ply",
                         path);
     if (!ply && !off && !import_knows(path))
         return complain(APP_USAGE,

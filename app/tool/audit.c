@@ -8,6 +8,7 @@
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 /* Several meshes merged into one; obstacles are group 0. */
 struct merged {
@@ -252,14 +253,47 @@ static int audit_meshes(int count, char **path, const char *obstacle, int list)
     return status == APP_OK && found ? APP_FINDINGS : status;
 }
 
+/* Whether a file is of a format that the Python package alone reads. */
+static bool is_beyond(const char *path)
+{
+    static const char *const ending[] = {".usd",  ".usda", ".usdc",
+                                         ".usdz", ".abc",  ".npz"};
+    const char *dot = strrchr(path, '.');
+    for (size_t k = 0; dot && k < sizeof ending / sizeof ending[0]; k++)
+        if (strcasecmp(dot, ending[k]) == 0)
+            return true;
+    return false;
+}
+
+/* Whether frames of another program are audited, by what options_read has
+ * left. */
+static bool is_frames(int count, char **path, const char *obstacle)
+{
+    bool found = obstacle && is_beyond(obstacle);
+    for (int k = 0; k < count; k++)
+        found = found || is_beyond(path[k]);
+    return found;
+}
+
 int command_audit(int argc, char **argv)
 {
-    int list = 0, positional;
+    int list = 0, frames = 0, between = 0, positional;
     const char *obstacle = NULL;
     const struct option_row options[] = {FLAG_OPTION("--list", &list),
+                                         FLAG_OPTION("--frames", &frames),
+                                         FLAG_OPTION("--between", &between),
                                          TEXT_OPTION("--obstacle", &obstacle),
                                          {0}};
+    char **given = calloc((size_t)argc + 1, sizeof *given);
+    if (!given)
+        return complain(APP_FAILED, "out of memory");
+    for (int k = 0; k < argc; k++)
+        given[k] = argv[k];
     int status = options_read(options, argc, argv, &positional);
+    if (status == APP_OK && positional > 0 &&
+        (frames || between || is_frames(positional, argv, obstacle)))
+        status = become_python("audit-frames", argc, given);
+    free(given);
     if (status != APP_OK)
         return status;
     if (positional < 1)

@@ -46,10 +46,17 @@ static const struct command {
      "on machines that were measured, or on those in what `make bench` "
      "wrote.\n"},
     {"audit", command_audit, "count intersecting triangle pairs, exactly",
-     "drape audit MESH... | DIR [--obstacle MESH] [--list]\n"
+     "drape audit MESH... | DIR [--obstacle MESH] [--list] [--frames] "
+     "[--between]\n"
      "Meshes are tested against themselves and each other; those given by\n"
      "--obstacle not against themselves. DIR is what `run` wrote: every\n"
-     "frame there is tested. --list prints the pairs. Exit status 1 on any.\n"},
+     "frame there is tested. --list prints the pairs. Exit status 1 on any.\n"
+     "--frames: each MESH is a frame of one mesh, as any program made it;\n"
+     "--between: what touches on the straight way to the next frame counts, "
+     "too.\n"
+     "These two, and files .npz, .usd and .abc with all their frames, need "
+     "the\n"
+     "Python package.\n"},
     {"render", command_render, "make pictures and a film of a run",
      "drape render DIR [options]\n"
      "  --frame N        this frame only (default: a film of all that are "
@@ -80,15 +87,30 @@ static const struct command {
      "wide (default: 0.005), and prints how near cells and outlines are, and "
      "the\n"
      "lengths of seams. DIR gets tables, a picture, and the panels as PLY.\n"},
-    {"export", command_export, "write a run as USD, glTF or Alembic",
+    {"export", command_export, "write a run as USD, glTF, Alembic, VTK …",
      "drape export DIR --to FILE [--every K]\n"
-     "FILE ends in .usdc, .usda, .usd, .glb or .abc and gets the frames "
-     "there,\n"
-     "or every K-th of them. It is part of the Python package.\n"},
-    {"view", command_view, "show a run or a scene in a web browser",
-     "drape view DIR|SCENE.json [--port N] [--host NAME]\n"
-     "Serves a page that shows the run, or the scene while it is computed.\n"
+     "FILE ends in .usdc, .usda, .usd, .glb, .abc or .npz and gets the frames\n"
+     "there, or every K-th of them. A name as frame_%04d.vtu is a file a "
+     "frame,\n"
+     "and ends in .ply, .obj, .off, .stl, .vtk or .vtu.\n"
      "It is part of the Python package.\n"},
+    {"view", command_view, "show a run or a scene in a web browser",
+     "drape view DIR|SCENE.json|MESH [--port N] [--host NAME] [--paused]\n"
+     "Serves a page that shows the run, or the scene while it is computed and\n"
+     "can be touched, or frames of meshes, as .npz, .usd, .ply.\n"
+     "It is part of the Python package.\n"},
+    {"sweep", command_sweep, "run many variants of a scene",
+     "drape sweep SCENE.json --out DIR --set KEY=V,V... | --draw KEY=LO..HI\n"
+     "  --set KEY=V,V...   each value of a key, as cloths.0.material.bend; of\n"
+     "                     several keys all combinations\n"
+     "  --draw KEY=LO..HI  at random between two numbers, --count N times,\n"
+     "                     from --seed S\n"
+     "  --frames N         frames to make (default: the scene's)\n"
+     "  --every K          keep the positions of every K-th\n"
+     "  --workers N        at a time (default: as many as processors)\n"
+     "  --on local|ray|slurm  where; --option TEXT: of sbatch, once each\n"
+     "Writes DIR/table.parquet and the arrays of each; what is there already "
+     "is\nnot run again. It is part of the Python package.\n"},
     {"fetch-models", command_fetch_models,
      "fetch the statues of drape's own scenes",
      "drape fetch-models DIR [--from FROM]\n"

@@ -52,6 +52,11 @@ int command_pattern(int argc, char **argv);
 int command_materials(int argc, char **argv);
 int command_export(int argc, char **argv);
 int command_view(int argc, char **argv);
+int command_sweep(int argc, char **argv);
 int command_fetch_models(int argc, char **argv);
+
+/* Replaces the process by Python, which runs a command of that name. Returns
+ * only if that fails: the exit code, after a line that says why. */
+int become_python(char *name, int argc, char **argv);
 
 #endif

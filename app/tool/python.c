@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Runs `drape export` and `drape view`, which are written in Python
+/* Runs the commands that are written in Python
  * (python/drape): the process replaces itself by a Python interpreter. */
 #include "app/tool/options.h"
 
@@ -23,9 +23,7 @@ static char program[] =
     "    sys.exit(3)\n"
     "sys.exit(main(sys.argv[1:]))\n";
 
-/* Replaces the process by Python. Returns only if that fails: the exit code,
- * after a line that says why. */
-static int become_python(char *name, int argc, char **argv)
+int become_python(char *name, int argc, char **argv)
 {
     char **words = calloc((size_t)argc + 6, sizeof *words);
     if (!words)
@@ -85,11 +83,32 @@ int command_export(int argc, char **argv)
 int command_view(int argc, char **argv)
 {
     const char *host;
-    int port;
+    int port, paused;
     const struct option_row options[] = {INT_OPTION("--port", &port, 0, 65535),
+                                         FLAG_OPTION("--paused", &paused),
                                          TEXT_OPTION("--host", &host),
                                          {0}};
     int status = check(options, argc, argv,
-                       "view: expected one DIR, a run's, or SCENE.json");
+                       "view: expected one DIR, a run's, SCENE.json, or MESH");
     return status == APP_OK ? become_python("view", argc, argv) : status;
+}
+
+int command_sweep(int argc, char **argv)
+{
+    const char *text;
+    int number;
+    const struct option_row options[] = {
+        TEXT_OPTION("--out", &text),
+        TEXT_OPTION("--set", &text),
+        TEXT_OPTION("--draw", &text),
+        INT_OPTION("--count", &number, 1, 1000000),
+        INT_OPTION("--seed", &number, 0, 1000000000),
+        INT_OPTION("--frames", &number, 0, 1000000),
+        INT_OPTION("--every", &number, 0, 1000000),
+        INT_OPTION("--workers", &number, 1, 100000),
+        TEXT_OPTION("--on", &text),
+        TEXT_OPTION("--option", &text),
+        {0}};
+    int status = check(options, argc, argv, "sweep: expected one SCENE.json");
+    return status == APP_OK ? become_python("sweep", argc, argv) : status;
 }

@@ -35,7 +35,10 @@ from .errors import (
 from .fabrics import Fabric, materials
 from .many import step_many
 from .mesh import Audit, Touches, audit, ccd, ccd_mesh
+from .meshes import Mesh, read_meshes
+from .pins import Pins, Pose
 from .record import Recorder
+from .referee import Verdict, audit_frames
 from .reports import Memory, Outcome, PlanRow, Status, StepReport, Work
 from .scene import (
     Camera,
@@ -52,7 +55,8 @@ from .scene import (
     Start,
     Wind,
 )
-from .sweeps import Sweep, Variant, grid, sweep
+from .sweeps import Sweep, Variant, grid, sample, sweep
+from .viewer.show import Viewer, view
 from .world import Reports, World
 
 __version__ = _version(_whose.NAME)
@@ -80,12 +84,15 @@ __all__ = [
     "Look",
     "Material",
     "Memory",
+    "Mesh",
     "Motion",
     "Obstacle",
     "OutOfMemoryError",
     "Outcome",
     "Pin",
+    "Pins",
     "PlanRow",
+    "Pose",
     "Recorder",
     "Region",
     "Reports",
@@ -98,10 +105,13 @@ __all__ = [
     "Sweep",
     "Touches",
     "Variant",
+    "Verdict",
+    "Viewer",
     "Wind",
     "Work",
     "World",
     "audit",
+    "audit_frames",
     "ccd",
     "ccd_mesh",
     "examples",
@@ -109,7 +119,10 @@ __all__ = [
     "grid",
     "info",
     "materials",
+    "read_meshes",
+    "sample",
     "step_many",
     "sweep",
     "tool",
+    "view",
 ]

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """``python -m drape COMMAND …``: the tool, and the commands that are Python.
 
-The commands of the table below are Python modules that expose
+The commands of the table below, of which `audit-frames` is a form of `audit`, are
+Python modules that expose
 ``main(argv: list[str]) -> int``, where argv is what follows the command. They
 are imported when they are called, so that the tool needs none of their
 libraries. All other commands are those of the tool (``man drape``).
@@ -14,10 +15,16 @@ import sys
 from collections.abc import Sequence
 
 COMMANDS = {
+    "audit-frames": "drape.referee",
     "examples": "drape.examples",
     "export": "drape.export.cli",
-    "view": "drape.view.cli",
+    "sweep": "drape.sweeps.cli",
+    "view": "drape.viewer.cli",
 }
+
+# Arguments by which `audit` is of frames of other programs: app/tool/audit.c.
+FRAMES = ("--frames", "--between")
+ENDINGS = (".usd", ".usda", ".usdc", ".usdz", ".abc", ".npz")
 
 
 def main(argv: Sequence[str]) -> int:
@@ -30,6 +37,10 @@ def main(argv: Sequence[str]) -> int:
     words = list(argv)
     quiet = words[:1] == ["--quiet"]  # it may stand before any command
     name = "".join(words[quiet : quiet + 1])
+    if name == "audit" and any(
+        word in FRAMES or word.lower().endswith(ENDINGS) for word in words
+    ):
+        name = "audit-frames"
     if name in COMMANDS:
         module = importlib.import_module(COMMANDS[name])
         return int(module.main(words[:quiet] + words[quiet + 1 :]))

@@ -18,6 +18,18 @@ from ._library import Calls
 from .errors import SceneError, check_code, warn
 
 TIMES = 100  # app/scene/obstacle.c
+SOME = 256  # vertices by which a body's pose is found
+
+
+def rest_of(obstacle: Any) -> np.ndarray[Any, Any] | None:
+    """Returns some vertices of a drape_obstacle as it is defined, [n, 4]: number, x,
+    y, z, m. None: it has frames, and thus no pose."""
+    if obstacle.frames:
+        return None
+    count = int(obstacle.n_vertices)
+    who = np.unique(np.linspace(0, count - 1, min(count, SOME)).astype(np.int64))
+    x = np.frombuffer(ffi.buffer(obstacle.x, count * 24)).reshape(-1, 3)
+    return np.column_stack([who, x[who]])
 
 
 class Handle:
@@ -25,6 +37,7 @@ class Handle:
     released when nothing refers to this any more.
 
     Attributes:
+        rest: of each obstacle, what `rest_of` returns
         lock: is held by whoever calls the library with the world: calls must not
             overlap in time
     """
@@ -36,6 +49,8 @@ class Handle:
         self.scene = read_scene(text)
         self.definition = getattr(self.scene, "def")
         kept = put_arrays(self.definition, text)
+        count = self.definition.n_obstacles
+        self.rest = [rest_of(self.definition.obstacles[k]) for k in range(count)]
         if calls.log:
             self.definition.log = lib.core_log
             self.definition.log_user = calls.pointer
@@ -58,11 +73,15 @@ class Handle:
         lib.drape_destroy(self.made)
 
 
-def read_scene(text: scenes.Text) -> Any:
-    """Returns what the tool's reader makes of a scene: a struct scene."""
+def read_scene(text: scenes.Text, notes: bool = True) -> Any:
+    """Returns what the tool's reader makes of a scene, a struct scene; without the
+    warnings that it notes, if these are not for the caller."""
     data = text.text.encode(errors="surrogateescape")
     out = ffi.new("struct scene **")
-    check_code(lib.core_read(data, len(data), os.fsencode(text.file), out))
+    code = lib.core_read(data, len(data), os.fsencode(text.file), out)
+    if not notes:
+        lib.core_notes()  # which forgets them
+    check_code(code)
     return ffi.gc(out[0], lib.core_free)
 
 

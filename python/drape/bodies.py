@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from . import scene as scenes
 from ._core import ffi, lib
-from ._define import Handle, put_arrays, read_scene, tree_of
+from ._define import Handle, put_arrays, read_scene, rest_of, tree_of
 from ._library import Calls
 from ._signals import Held
 from .errors import Error, SceneError, check, check_code
@@ -41,6 +41,16 @@ class Body:
     triangles: slice
     particles: tuple[int, int] | None = None
     size: tuple[float, float] | None = None
+
+    @property
+    def rest(self) -> NDArray[np.float64]:
+        """[m·n, 2] m, where each particle of a cloth is on the sheet at rest, from
+        its corner u0 v0."""
+        if self.particles is None or self.size is None:
+            raise SceneError(f"{self.name}: an obstacle has no sheet at rest")
+        (m, n), (width, height) = self.particles, self.size
+        u, v = np.linspace(0, width, m), np.linspace(0, height, n)
+        return np.stack([np.tile(u, n), np.repeat(v, m)], axis=1)
 
 
 def means(body: object, number: int, each: Any) -> bool:
@@ -127,7 +137,14 @@ class Bodies:
         with Held(), handle.lock:
             check(lib.drape_remove(handle.world, k), "remove")
             lib.core_remove(handle.scene, k)
+            if k >= cloths:
+                del handle.rest[k - cloths]
+            self._forget(each.kind, k if k < cloths else k - cloths)
             self._changed()
+
+    def _forget(self, kind: str, number: int) -> None:
+        """Called when a body goes, with its number among those of its kind."""
+        raise NotImplementedError
 
     def _may_change(self) -> None:
         if self._recorder:
@@ -155,6 +172,8 @@ class Bodies:
             status = add(handle.world, new, error)
             if status >= 0:
                 check_code(lib.core_add(handle.scene, sort, new, made))
+                if kind == "obstacle":
+                    handle.rest.append(rest_of(new))
                 self._changed()
             self._calls.raise_kept()
         del kept

@@ -4,9 +4,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 # A drape_contact.
 ROW = np.dtype(
@@ -23,7 +24,7 @@ ROW = np.dtype(
 )
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Pairs:
     """The pairs in contact in the last slice of a step, sides A and B: a vertex
     and a face, or two edges. A pair that met again in the slice is listed twice.
@@ -53,14 +54,63 @@ class Pairs:
         """How many pairs there are."""
         return len(self.kind)
 
+    def __repr__(self) -> str:
+        """How many pairs there are, and how long the slice was."""
+        name = f"drape.{type(self).__name__}"
+        return f"<{name}: {len(self)} pairs in {self.dt:.4g} s>"
 
-@dataclass(frozen=True, eq=False)
+    def places(self, positions: Any) -> NDArray[np.float64]:
+        """Returns where pairs touch on side A, [n, 3] m, with the scene's vertices at
+        these positions, [vertices, 3] m."""
+        weight = self.weights.copy()
+        # side A has the vertex of kind 0, and the first edge of kind 1
+        weight[:, 2:] = 0
+        weight[self.kind == 0, 1] = 0
+        x = np.asarray(positions, np.float64)[self.vertices]
+        found: NDArray[np.float64] = (weight[:, :, None] * x).sum(1)
+        return found
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Contacts(Pairs):
     """The pairs of the last step of a `World`. A body's number is that in
-    `World.bodies`.
+    `World.bodies`. A force is the mean of the step's last slice.
 
     Attributes:
         body_impulses: [bodies, 3] N·s, that each body got in all
+        count: vertices of the scene
     """
 
     body_impulses: NDArray[np.float64]
+    count: int
+
+    @property
+    def body_forces(self) -> NDArray[np.float64]:
+        """[bodies, 3] N, on each body from all that touches it."""
+        return self.body_impulses / (self.dt or 1)
+
+    def body_torques(self, about: ArrayLike, positions: Any) -> NDArray[np.float64]:
+        """Returns the torque on each body from all that touches it, [bodies, 3] N·m.
+
+        Args:
+            about: m, the point that torques are about: one [3], or [bodies, 3]
+            positions: [vertices, 3] m, `World.positions`
+        """
+        shape = self.body_impulses.shape
+        centre = np.broadcast_to(np.asarray(about, np.float64), shape)
+        torque = np.zeros(shape)
+        places = self.places(positions)
+        force = self.impulses / (self.dt or 1)
+        for side, sign in ((0, 1), (1, -1)):
+            who = self.bodies[:, side]
+            turned = np.cross(places - centre[who], sign * force)
+            np.add.at(torque, who, turned)
+        return torque
+
+    def forces(self) -> NDArray[np.float64]:
+        """Returns the force of contacts on each vertex of the scene, [vertices, 3]
+        N. Those of a body's vertices add to its `body_forces`."""
+        found = np.zeros((self.count, 3))
+        shares = self.weights[:, :, None] * (self.impulses / (self.dt or 1))[:, None]
+        np.add.at(found, self.vertices, shares)
+        return found

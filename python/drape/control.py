@@ -299,18 +299,9 @@ class Control:
             self._vectors("drape_set_velocities", where, (at, n), v, n)
             self._refresh()
 
-    def set_pins(
-        self, cloth: int | str | Any, particles: ArrayLike, targets: Any = None
-    ) -> None:
-        """Sets which particles of a cloth are pinned, in place of all its pins.
-
-        Args:
-            cloth: its number, name or `Body`
-            particles: [n] numbers i + m·j; n may be 0
-            targets: [n, 3] m, where each is at the end of the next step; None:
-                they stay where they are
-        """
-        k, body = self._one(cloth, "cloth")
+    def _put_pins(self, k: int, particles: ArrayLike, targets: Any) -> None:
+        """Sets the pins of cloth k, in place of all that it has."""
+        body = [each for each in self.bodies if each.kind == "cloth"][k]
         where = f"{body.name}: pins"
         who = on_host(particles)
         who = scenes.array(
@@ -329,30 +320,14 @@ class Control:
                 refused, fault if refused.status == Status.EARG else None
             ) from None
 
-    def set_obstacle(self, obstacle: int | str | Any, vertices: Any) -> None:
-        """Tells an obstacle where its vertices, [n, 3] m, are at the end of the
-        next step. Cloth in the way is pushed."""
-        k, body = self._one(obstacle, "obstacle")
-        n = body.vertices.stop - body.vertices.start
-        where = f"{body.name}: vertices"
-        self._vectors("drape_set_obstacle", where, (k,), vertices, n)
-
-    def set_pose(
+    def _put_pose(
         self,
         obstacle: int | str | Any,
         position: scenes.Vector,
-        rotation: scenes.Vector | None = None,
-        pivot: scenes.Vector | None = None,
-    ) -> None:
-        """Tells an obstacle its pose at the end of the next step: its vertex X of
-        the scene goes to position + R (X - pivot).
-
-        Args:
-            obstacle: its number, name or `Body`
-            position: [3] m
-            rotation: [4] quaternion w, x, y, z of length 1; None: none
-            pivot: [3] m; None: the origin
-        """
+        rotation: scenes.Vector | None,
+        pivot: scenes.Vector | None,
+    ) -> int:
+        """Tells an obstacle its pose, and returns its number."""
         k, body = self._one(obstacle, "obstacle")
         p = scenes.array(position, (3,), "position").tolist()
         none = ffi.NULL
@@ -360,6 +335,7 @@ class Control:
         c = none if pivot is None else scenes.array(pivot, (3,), "pivot")
         rest = (each if each is none else each.tolist() for each in (q, c))
         self._call("drape_set_pose", f"{body.name}: pose", k, p, *rest)
+        return k
 
     # What is told
 
@@ -382,4 +358,5 @@ class Control:
             impulses=rows["impulse"],
             dt=c.dt,
             body_impulses=flat.reshape(-1, 3),
+            count=int(lib.drape_vertices(handle.made)),
         )

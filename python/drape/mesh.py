@@ -17,7 +17,7 @@ from .scene import array
 KINDS = {"vf": 0, "ee": 1}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Audit:
     """The intersecting pairs of triangles of a mesh.
 
@@ -34,8 +34,13 @@ class Audit:
         """How many pairs intersect."""
         return len(self.pairs)
 
+    def __repr__(self) -> str:
+        """How many pairs intersect, and how many triangles have no area."""
+        flat = f", {self.degenerate} degenerate triangles" if self.degenerate else ""
+        return f"<drape.Audit: {self.count} intersecting pairs{flat}>"
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class Touches:
     """What touches while a mesh moves.
 
@@ -50,6 +55,14 @@ class Touches:
     vertices: NDArray[np.int32]
     toi: NDArray[np.float64]
     candidates: tuple[int, int]
+
+    def __len__(self) -> int:
+        """How many pairs touch."""
+        return len(self.kind)
+
+    def __repr__(self) -> str:
+        """How many pairs touch."""
+        return f"<drape.Touches: {len(self)} pairs of {sum(self.candidates)} decided>"
 
 
 class _Mesh:

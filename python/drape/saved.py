@@ -44,6 +44,9 @@ class Saved:
     def _done(self, report: Any) -> StepReport:
         raise NotImplementedError
 
+    def _loaded(self) -> None:
+        raise NotImplementedError
+
     def _may_change(self) -> None:
         raise NotImplementedError
 
@@ -88,6 +91,7 @@ class Saved:
             status = lib.drape_load(handle.world, lib.core_read_bytes, calls.pointer)
             left, calls.unread = len(calls.unread), memoryview(b"")
             self._now = self._clock()
+        self._loaded()
         if status == Status.EIO:
             raise CheckpointError("checkpoint: it ends too early")
         check(status, "checkpoint")
@@ -157,7 +161,8 @@ class Saved:
     def _follow(self, reads: list[memoryview], done: bool) -> None:
         """Brings the scene up to the changes of bodies in what a replay has read,
         of which the last call has failed unless it is done."""
-        scene, changed = self._open().scene, False
+        handle, changed = self._open(), False
+        scene, definition, rest = handle.scene, handle.definition, handle.rest
         calls, body = [], ffi.new("int64_t *")
         for at, read in enumerate(reads):
             kind = lib.core_log_piece(ffi.from_buffer(read), len(read), body)
@@ -169,12 +174,17 @@ class Saved:
         }
         for at, kind, where in calls if done else calls[:-1]:
             if kind == lib.CORE_LOG_REMOVE:
+                if (obstacle := where - definition.n_cloths) >= 0:
+                    del rest[obstacle]
                 lib.core_remove(scene, where)
             elif kind in adds:
                 name, sort = adds[kind]
                 new = ffi.new(f"{name} *")
                 ffi.buffer(new)[:] = reads[at + 1][: ffi.sizeof(name)]
                 check_code(lib.core_add(scene, sort, new, ffi.NULL))
+                if sort == lib.CORE_OBSTACLE:
+                    rest.append(None)  # the log's memory is not its mesh
             changed |= kind != lib.CORE_LOG_CALL
+        self._loaded()
         if changed:
             self._changed()

@@ -50,6 +50,20 @@ def _same(a: Any, b: Any) -> bool:
     return bool(a == b)
 
 
+LONG = 80  # characters of a key's value beyond which its beginning is shown
+
+
+def _short(value: Any) -> str:
+    """Returns a key's value in few words."""
+    if hasattr(value, "shape") and hasattr(value, "dtype"):
+        return f"<{' × '.join(map(str, value.shape))} {value.dtype}>"
+    if isinstance(value, (list, tuple)) and value and isinstance(value[0], Keys):
+        return f"[{', '.join(map(_short, value))}]"
+    text = repr(value)
+    short = isinstance(value, Keys) or len(text) <= LONG
+    return text if short else reprlib.repr(value)
+
+
 # Where a scene has an object of a class whose keys are given.
 PLACES: dict[str, Callable[[Any], Any]] = {
     "Scene": lambda keys: keys,
@@ -103,6 +117,17 @@ class Keys:
             )
         return object.__new__(cls)
 
+    def __repr__(self) -> str:
+        """The keys that are given, arrays by their shape and type."""
+        pairs = (
+            (key.name, getattr(self, key.name))
+            for key in dataclasses.fields(self)  # type: ignore[arg-type]
+        )
+        words = (
+            f"{name}={_short(value)}" for name, value in pairs if value is not None
+        )
+        return f"drape.{type(self).__name__}({', '.join(words)})"
+
     def __eq__(self, other: object) -> bool:
         """Whether all keys say the same, arrays by their numbers."""
         if type(other) is not type(self):
@@ -113,7 +138,7 @@ class Keys:
         )
 
 
-@dataclass(kw_only=True, eq=False)
+@dataclass(kw_only=True, eq=False, repr=False)
 class Wind(Keys):
     """Air that moves with one velocity everywhere.
 
@@ -129,7 +154,7 @@ class Wind(Keys):
     lift: float | None = None
 
 
-@dataclass(kw_only=True, eq=False)
+@dataclass(kw_only=True, eq=False, repr=False)
 class Camera(Keys):
     """Where pictures are taken from.
 
@@ -150,7 +175,7 @@ class Camera(Keys):
     floor: Vector | None = None
 
 
-@dataclass(kw_only=True, eq=False)
+@dataclass(kw_only=True, eq=False, repr=False)
 class Look(Keys):
     """How a body looks in pictures.
 
@@ -166,7 +191,7 @@ class Look(Keys):
     check: bool | None = None
 
 
-@dataclass(kw_only=True, eq=False)
+@dataclass(kw_only=True, eq=False, repr=False)
 class Key(Keys):
     """A keyframe of a motion.
 
@@ -183,7 +208,7 @@ class Key(Keys):
     axis: Vector | None = None
 
 
-@dataclass(kw_only=True, eq=False)
+@dataclass(kw_only=True, eq=False, repr=False)
 class Motion(Keys):
     """A rigid motion by keyframes, which bodies and pins call by its name.
 
@@ -200,7 +225,7 @@ class Motion(Keys):
 TABLES = ("warp", "weft", "bias")
 
 
-@dataclass(kw_only=True, eq=False)
+@dataclass(kw_only=True, eq=False, repr=False)
 class Material(Keys):
     """What cloth is made of: a fabric's name, and numbers that override its own.
 
@@ -228,7 +253,7 @@ class Material(Keys):
     limit: float | Vector | None = None
 
 
-@dataclass(kw_only=True, eq=False)
+@dataclass(kw_only=True, eq=False, repr=False)
 class Start(Keys):
     """Where and how a cloth starts.
 
@@ -249,7 +274,7 @@ class Start(Keys):
     gap: float | None = None
 
 
-@dataclass(kw_only=True, eq=False)
+@dataclass(kw_only=True, eq=False, repr=False)
 class Region(Keys):
     """A part of a sheet at rest, m from its corner u0 v0.
 
@@ -262,7 +287,7 @@ class Region(Keys):
     rect: Vector | None = None
 
 
-@dataclass(kw_only=True, eq=False)
+@dataclass(kw_only=True, eq=False, repr=False)
 class Pin(Keys):
     """Particles that are held, or led by a motion.
 
@@ -278,7 +303,7 @@ class Pin(Keys):
     motion: str | None = None
 
 
-@dataclass(kw_only=True, eq=False)
+@dataclass(kw_only=True, eq=False, repr=False)
 class Cloth(Keys):
     """A rectangular sheet of m × n particles.
 
@@ -308,7 +333,7 @@ class Cloth(Keys):
     velocities: ArrayLike | None = None
 
 
-@dataclass(kw_only=True, eq=False)
+@dataclass(kw_only=True, eq=False, repr=False)
 class Frames(Keys):
     """Numbered mesh files of an obstacle that deforms.
 
@@ -324,7 +349,7 @@ class Frames(Keys):
     dt: float | None = None
 
 
-@dataclass(kw_only=True, eq=False)
+@dataclass(kw_only=True, eq=False, repr=False)
 class Obstacle(Keys):
     """A mesh that cloth collides with: from a file, made in code, or arrays.
 
@@ -375,7 +400,7 @@ class Obstacle(Keys):
     frame_dt: float | None = None
 
 
-@dataclass(kw_only=True, eq=False)
+@dataclass(kw_only=True, eq=False, repr=False)
 class Scene(Keys):
     """A scene: bodies, forces, and how a step is computed.
 
@@ -435,21 +460,130 @@ class Scene(Keys):
     allow_intersecting: bool | None = None
     sleep: bool | None = None
 
+    @staticmethod
+    def load(path: str | os.PathLike[str]) -> Scene:
+        """Reads a scene's file as objects, whose keys can then be changed. Paths of
+        meshes, which begin in the file's folder, become whole ones.
+
+        Raises:
+            SceneError: the file is refused; the text says what and where
+        """
+        from ._define import read_scene, tree_of
+
+        text = _file(path)
+        made: Scene = _objects(tree_of(text), Scene)
+        folder = os.path.dirname(os.path.abspath(text.file))
+        for body in _only(made.cloths, Cloth):
+            for name in CLOTH_ARRAYS:
+                if isinstance(file := getattr(body, name), str):
+                    setattr(body, name, _npy(os.path.join(folder, file)))
+        for obstacle in _only(made.obstacles, Obstacle):
+            if isinstance(file := obstacle.mesh, str):
+                beside = os.path.join(folder, file)
+                obstacle.mesh = beside if os.path.exists(beside) else file
+            if isinstance(obstacle.frames, Frames) and obstacle.frames.files:
+                obstacle.frames.files = os.path.join(folder, obstacle.frames.files)
+        read_scene(dataclasses.replace(read(made), file=text.file))
+        return made
+
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the scene as a file, which `World` and the tool take, and which
         appears complete or not at all. Paths of meshes begin in its folder.
 
-        Raises:
-            SceneError: a body is given by arrays, which a file cannot hold
+        Arrays go into files beside it, whose names begin as its own: obstacles of
+        arrays as PLY, `positions` and `velocities` of cloths as NumPy's, which
+        `World` takes and the tool refuses.
         """
         made = read(self)
-        if any(made.cloths) or any(made.obstacles):
-            raise SceneError(f"{os.fspath(path)}: a scene's file cannot hold arrays")
-        text = json.dumps(json.loads(made.text), indent=2, ensure_ascii=False)
+        tree = json.loads(made.text)
+        file = Path(path)
+        for k, arrays in enumerate(made.cloths):
+            for name, value in arrays.items():
+                beside = file.with_name(f"{file.stem}.cloth{k}.{name}.npy")
+                with _whole.beside(beside) as part:
+                    where = f"cloths[{k}].{name}"
+                    np.save(part, array(value, (None, 3), where), allow_pickle=False)
+                tree["cloths"][k][name] = beside.name
+        for k, arrays in enumerate(made.obstacles):
+            if arrays:
+                del tree["obstacles"][k]["shape"]
+                name = f"{file.stem}.obstacle{k}"
+                tree["obstacles"][k] |= _put_mesh(file.parent, name, arrays, k)
+        text = json.dumps(tree, indent=2, ensure_ascii=False)
         _whole.write(path, (text + "\n").encode())
 
 
+def _objects(tree: Any, kind: type[Any]) -> Any:
+    """Returns an object of a class for a mapping of its keys, with objects in it;
+    what is no mapping is returned as it is, for the reader to refuse."""
+    if isinstance(tree, list):
+        return [_objects(each, kind) for each in tree]
+    if not isinstance(tree, Mapping):
+        return tree
+    inner = INSIDE.get(kind, {})
+    keys = {
+        key: _objects(value, inner[key]) if key in inner else value
+        for key, value in tree.items()
+    }
+    try:
+        return kind(**keys)
+    except TypeError as error:
+        raise SceneError(str(error)) from None
+
+
+def _only(bodies: Any, kind: type[T]) -> list[T]:
+    """Returns the objects of a class in what may be no list of them."""
+    found = bodies if isinstance(bodies, list) else []
+    return [each for each in found if isinstance(each, kind)]
+
+
+def _npy(path: str) -> NDArray[Any]:
+    """Returns the array of a file of NumPy's."""
+    try:
+        found = np.load(path, allow_pickle=False)
+    except (OSError, ValueError) as error:
+        raise SceneError(f"{path}: expected an array of NumPy's: {error}") from None
+    if not isinstance(found, np.ndarray):
+        raise SceneError(f"{path}: expected one array, a file .npy")
+    return found
+
+
+def _put_mesh(folder: Path, name: str, arrays: Arrays, k: int) -> dict[str, Any]:
+    """Writes an obstacle's arrays as PLY; returns the keys that name the files."""
+    where = f"obstacles[{k}]"
+    if "triangles" not in arrays:
+        raise SceneError(f"{where}: its arrays lack triangles")
+    tri = array(arrays["triangles"], (None, 3), f"{where}.triangles", kind=np.int32)
+    if "vertices" in arrays:
+        x = array(arrays["vertices"], (None, 3), f"{where}.vertices")
+        _whole.write(folder / f"{name}.ply", _meshes.ply(x, tri))
+        return {"mesh": f"{name}.ply"}
+    frames = array(
+        arrays.get("vertex_frames"), (None, None, 3), f"{where}.vertex_frames"
+    )
+    for at, x in enumerate(frames):
+        _whole.write(folder / f"{name}_{at:04d}.ply", _meshes.ply(x, tri))
+    series = {"files": f"{name}_%04d.ply", "first": 0, "count": len(frames)}
+    return {"frames": {**series, "dt": float(arrays.get("frame_dt", 1 / 60))}}
+
+
+# The classes of a class's keys that are objects, or lists of objects.
+INSIDE: dict[type[Any], dict[str, type[Any]]] = {
+    Motion: {"keys": Key},
+    Cloth: {
+        **{"start": Start, "material": Material, "holes": Region, "cuts": Region},
+        **{"pins": Pin, "look": Look},
+    },
+    Obstacle: {"frames": Frames, "look": Look},
+    Scene: {
+        **{"cloths": Cloth, "obstacles": Obstacle, "motions": Motion},
+        **{"wind": Wind, "camera": Camera},
+    },
+}
+
 CLOTH_ARRAYS = ("positions", "velocities")
+# What is in a scene's file if it may have what the tool's reader does not know.
+BEYOND_THE_TOOL = ('"positions"', '"velocities"', ".usd", ".abc", ".npz")
 OBSTACLE_ARRAYS = ("vertices", "triangles", "vertex_frames", "frame_dt")
 # What a scene's file may say of an obstacle whose mesh is given by arrays.
 OBSTACLE_KEYS = ("name", "friction", "motion", "look")
@@ -458,8 +592,9 @@ OBSTACLE_KEYS = ("name", "friction", "motion", "look")
 def as_dict(value: Any) -> Any:
     """Returns a scene's object as the mappings and lists of its keys; arrays
     stay as they are."""
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        pairs = ((f.name, getattr(value, f.name)) for f in dataclasses.fields(value))
+    if isinstance(value, Keys):
+        names = [f.name for f in dataclasses.fields(value)]  # type: ignore[arg-type]
+        pairs = ((name, getattr(value, name)) for name in names)
         return {key: as_dict(item) for key, item in pairs if item is not None}
     if isinstance(value, Mapping):
         return {key: as_dict(item) for key, item in value.items()}
@@ -547,16 +682,24 @@ def _take_cloth(k: int, body: Any) -> Arrays:
     return arrays
 
 
-def _take_obstacle(k: int, body: Any) -> Arrays:
+def _take_obstacle(k: int, body: Any, folder: str) -> Arrays:
     """Takes an obstacle's arrays; the reader gets a plane in their place, which
     the world's definition never sees."""
+    from .meshes import BEYOND, Mesh, merged, read_meshes
+
     arrays = _take(body, OBSTACLE_ARRAYS)
     mesh = body.get("mesh") if isinstance(body, dict) else None
-    if mesh is not None and not isinstance(mesh, (str, os.PathLike)):
+    path = isinstance(mesh, (str, os.PathLike))
+    if mesh is not None and (not path or str(mesh).lower().endswith(BEYOND)):
         where = f"obstacles[{k}].mesh"
         if arrays:
             raise SceneError(f"{where}: it has vertices, and so has {min(arrays)}")
-        arrays["vertices"], arrays["triangles"] = _meshes.mesh_of(mesh, where)
+        if path:
+            arrays = merged(read_meshes(os.path.join(folder, mesh)), where)
+        elif isinstance(mesh, Mesh):
+            arrays = merged({mesh.name: mesh}, where)
+        else:
+            arrays["vertices"], arrays["triangles"] = _meshes.mesh_of(mesh, where)
         del body["mesh"]
     if arrays:
         for key in sorted(set(body) - set(OBSTACLE_KEYS)):
@@ -583,21 +726,30 @@ def read(scene: SceneLike, folder: str | os.PathLike[str] | None = None) -> Text
     if isinstance(scene, Text):
         return scene
     if isinstance(scene, (str, os.PathLike)):
-        file = os.fspath(scene)
-        try:  # the reader says what is wrong with bytes that are not UTF-8
-            text = Path(file).read_text(encoding="utf-8", errors="surrogateescape")
-        except OSError as error:
-            raise SceneError(f"{file}: {error.strerror}") from error
-        return Text(text, file, [], [])
+        text = _file(scene)
+        if not any(word in text.text for word in BEYOND_THE_TOOL):
+            return text
+        return dataclasses.replace(read(Scene.load(scene)), file=text.file)
     tree = as_dict(scene)
     if not isinstance(tree, dict):
         raise SceneError(f"expected a scene, a mapping or a path, not {scene!r}")
     cloths = [_take_cloth(k, body) for k, body in enumerate(_bodies(tree, "cloths"))]
     obstacles = [
-        _take_obstacle(k, body) for k, body in enumerate(_bodies(tree, "obstacles"))
+        _take_obstacle(k, body, os.fspath(folder or ""))
+        for k, body in enumerate(_bodies(tree, "obstacles"))
     ]
     file = os.path.join(folder, "scene") if folder else "scene"
     return Text(as_text(tree, "scene"), file, cloths, obstacles)
+
+
+def _file(path: str | os.PathLike[str]) -> Text:
+    """Returns the text of a scene's file."""
+    file = os.fspath(path)
+    try:  # the reader says what is wrong with bytes that are not UTF-8
+        text = Path(file).read_text(encoding="utf-8", errors="surrogateescape")
+    except OSError as error:
+        raise SceneError(f"{file}: {error.strerror}") from error
+    return Text(text, file, [], [])
 
 
 def as_text(tree: Any, file: str) -> str:

@@ -3,13 +3,17 @@
 
 from __future__ import annotations
 
+import base64
+import dataclasses
 import hashlib
+import html
 import os
+import tempfile
 import threading
 import weakref
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, SupportsIndex, cast, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,12 +27,16 @@ from ._signals import Held
 from ._stretch import Stretch
 from .arrays import SharedArray, address, order
 from .bodies import Bodies
-from .control import Control, fault_of, told
+from .control import fault_of, told
 from .errors import DivergedError, Error, SceneError, check, warn
 from .mesh import Audit, audit
+from .pins import Pinning, Pins
 from .record import Recorder, picture
 from .reports import PARTS, Memory, Outcome, PlanRow, StepReport, Work
 from .saved import Saved
+
+if TYPE_CHECKING:
+    from .viewer.show import Viewer
 
 NOT_CLEAN = Outcome.TRAPPED | Outcome.PASSED | Outcome.DIVERGED
 
@@ -39,7 +47,8 @@ def outcome_names(outcome: Outcome) -> str:
 
 
 class Reports(list[StepReport]):
-    """The reports of some steps, in their order."""
+    """The reports of some steps, in their order; and by a field's name, as
+    ``reports["kinetic"]``, an array of its values."""
 
     @property
     def outcome(self) -> Outcome:
@@ -54,6 +63,55 @@ class Reports(list[StepReport]):
         """Whether no step is trapped, passed or diverged, so that nothing intersects
         at the end of any step, and nothing went through anything."""
         return not self.outcome & NOT_CLEAN
+
+    @overload
+    def __getitem__(self, key: SupportsIndex) -> StepReport: ...
+    @overload
+    def __getitem__(self, key: slice) -> Reports: ...
+    @overload
+    def __getitem__(self, key: str) -> NDArray[Any]: ...
+
+    def __getitem__(self, key: SupportsIndex | slice | str) -> Any:
+        """A report, the reports of a slice, or a column of `columns`."""
+        if isinstance(key, str):
+            columns = self.columns()
+            if key not in columns:
+                raise KeyError(f"{key}: expected one of {', '.join(columns)}")
+            return columns[key]
+        return (
+            Reports(super().__getitem__(key))
+            if isinstance(key, slice)
+            else (super().__getitem__(key))
+        )
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """Returns an array [steps] of each field by its name: those of `StepReport`,
+        and of its parts, as "seconds.solver" and "work.near"."""
+        names = [field.name for field in dataclasses.fields(StepReport)]
+        plain = {
+            name: np.array([getattr(each, name) for each in self])
+            for name in names
+            if name not in ("seconds", "work")
+        }
+        seconds = {
+            f"seconds.{part}": np.array([each.seconds[part] for each in self])
+            for part in PARTS
+        }
+        work = {
+            f"work.{field.name}": np.array(
+                [getattr(each.work, field.name) for each in self]
+            )
+            for field in dataclasses.fields(Work)
+        }
+        return plain | seconds | work
+
+    def to_pandas(self) -> Any:
+        """Returns the columns as a data frame of pandas, a row a step."""
+        try:
+            import pandas
+        except ImportError as error:
+            raise Error("to_pandas needs pandas: pip install pandas") from error
+        return pandas.DataFrame(self.columns())
 
     def __repr__(self) -> str:
         """How many there are, and all that happened in any of the steps."""
@@ -92,7 +150,7 @@ def _plain_wind(c: Any) -> dict[str, Any]:
     return {**_plain(c), "velocity": list(c.velocity)}
 
 
-class World(Bodies, Control, Saved, Closing):
+class World(Pinning, Bodies, Saved, Closing):
     """A scene that was made, and its state, which `step` advances.
 
     Calls on one world from several threads follow one another; worlds are
@@ -131,6 +189,8 @@ class World(Bodies, Control, Saved, Closing):
         self._report: StepReport | None = None
         self._reports = Reports()
         self._stretch = Stretch()
+        self._groups: dict[str, Pins] = {}
+        self._told: set[int] = set()  # cloths whose pins are not the scene's any more
         self._now = (0, 0.0)  # what the clock was after the last call
         self._handle: Handle | None = Handle(text, self._calls)
         self._calls.raise_kept()
@@ -339,15 +399,15 @@ class World(Bodies, Control, Saved, Closing):
         return self._triangles
 
     @property
-    def positions(self) -> Any:
+    def positions(self) -> NDArray[np.floating[Any]]:
         """[vertices, 3] m, read-only, the cloths in their order and then the
         obstacles. On the host a NumPy array that follows the world: after each
         call of `step` it holds the new state, until bodies come or go. On a
-        device a `SharedArray`."""
+        device a `SharedArray`, whose type `share` tells."""
         return self._array("x")
 
     @property
-    def velocities(self) -> Any:
+    def velocities(self) -> NDArray[np.floating[Any]]:
         """[vertices, 3] m/s, likewise."""
         return self._array("v")
 
@@ -360,9 +420,9 @@ class World(Bodies, Control, Saved, Closing):
             SharedArray(handle, "v"),
         )
 
-    def _array(self, field: str) -> NDArray[Any] | SharedArray:
+    def _array(self, field: str) -> NDArray[np.floating[Any]]:
         if self.backend == "gpu":
-            return SharedArray(self._open(), field)
+            return cast("NDArray[np.floating[Any]]", SharedArray(self._open(), field))
         owner = self._mirrors[field]() if field in self._mirrors else None
         if owner is None:
             shared = SharedArray(self._open(), field)
@@ -486,6 +546,26 @@ class World(Bodies, Control, Saved, Closing):
     def _end_record(self) -> None:
         self._recorder = None
 
+    def export(self, path: str | os.PathLike[str]) -> Path:
+        """Writes the state now as a file, by its ending: .ply, or by the package
+        meshio (the extra `mesh`) .obj, .off, .stl, .vtk, .vtu; or .npz, with
+        velocities, triangles, the sheet at rest and where each body's rows are.
+
+        Returns:
+            the path
+        """
+        from .export.arrays import write_world
+
+        write_world(self, Path(path))
+        return Path(path)
+
+    def view(self, **how: Any) -> Viewer:
+        """Shows the world on a page for a web browser, where it can be touched; the
+        arguments are those of `drape.view`."""
+        from .viewer.show import view
+
+        return view(self, **how)
+
     def render(
         self,
         path: str | os.PathLike[str],
@@ -527,6 +607,19 @@ class World(Bodies, Control, Saved, Closing):
             f"<drape.World {self.name!r}: {len(self)} vertices, "
             f"{len(self.triangles)} triangles, {self.steps} steps, {self.time:g} s>"
         )
+
+    def _repr_html_(self) -> str:
+        """The world in a notebook: one line, and a picture of its state."""
+        line = f"<code>{html.escape(repr(self))}</code>"
+        if self._handle is None or self._recorder:
+            return line
+        try:
+            with tempfile.TemporaryDirectory(prefix="drape-") as folder:
+                path = self.render(Path(folder) / "a.png", width=480, height=360)
+                data = base64.b64encode(path.read_bytes()).decode()
+        except Error:  # this build has no tool, or the tool draws no pictures
+            return line
+        return f'{line}<br><img alt="the cloth now" src="data:image/png;base64,{data}">'
 
     def __reduce__(self) -> Any:
         """Refuses copies and pickles."""

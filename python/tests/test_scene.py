@@ -272,10 +272,69 @@ def test_a_scene_is_saved(tmp_path: Path) -> None:
         world.step(20)
         ends.append((world.name, world.digest(), world.bodies))
     assert ends[0] == ends[1]
-    sheet.start, sheet.positions = None, np.zeros((81, 3))
-    with pytest.raises(drape.SceneError, match=r"b\.json: .* arrays"):
-        scene.save(tmp_path / "b.json")
     assert [each.name for each in tmp_path.iterdir()] == ["a.json"]
+    assert drape.Scene.load(tmp_path / "a.json") == scene
+
+
+def test_a_scene_is_saved_with_its_arrays(tmp_path: Path) -> None:
+    u = np.linspace(0, 1, 9)
+    x = np.array([[a, 0.5 + 0.01 * a * b, b] for b in u for a in u])
+    floor = np.array([[-1, 0.1, -1], [2, 0.1, -1], [2, 0.1, 2], [-1, 0.1, 2]])
+    tri = [[0, 2, 1], [0, 3, 2]]
+    cloth = drape.Cloth(particles=[9, 9], positions=x, velocities=np.full_like(x, 0.3))
+    still = drape.Obstacle(name="floor", vertices=floor, triangles=tri, friction=0.5)
+    frames = np.stack([floor - [0, 1, 0], floor - [0, 0.9, 0]])
+    swell = drape.Obstacle(vertex_frames=frames, triangles=tri, frame_dt=0.1)
+    scene = drape.Scene(cloths=[cloth], obstacles=[still, swell], precision=64)
+    (tmp_path / "in").mkdir()
+    scene.save(tmp_path / "in/a.json")
+    assert (tmp_path / "in/a.obstacle0.ply").exists()
+    ends = []
+    for each in (
+        scene,
+        tmp_path / "in/a.json",
+        drape.Scene.load(tmp_path / "in/a.json"),
+    ):
+        world = drape.World(each, threads=2)
+        world.step(20)
+        ends.append(world.digest())
+    assert ends[0] == ends[1] == ends[2]
+    assert drape.World(tmp_path / "in/a.json", dt=0.01).dt == 0.01
+    with pytest.raises(drape.SceneError, match='unknown key "positions"'):
+        drape.tool.call("plan", tmp_path / "in/a.json")
+    (tmp_path / "in/a.cloth0.positions.npy").write_text("none")
+    with pytest.raises(
+        drape.SceneError, match=r"a\.cloth0\.positions\.npy: expected an"
+    ):
+        drape.World(tmp_path / "in/a.json")
+    with pytest.raises(drape.SceneError, match=r"obstacles\[0\]: its arrays lack tri"):
+        drape.Scene(obstacles=[drape.Obstacle(vertices=floor)]).save(
+            tmp_path / "b.json"
+        )
+
+
+@pytest.mark.parametrize("name", drape.examples.names())
+def test_every_example_is_loaded(name: str) -> None:
+    try:
+        scene = drape.Scene.load(drape.examples.path(name))
+    except drape.SceneError as error:
+        assert "found neither" in str(error)  # a statue that is not here
+        return
+    assert isinstance(scene.cloths, list) and isinstance(scene.cloths[0], drape.Cloth)
+    assert "drape.Scene(" in repr(scene)
+
+
+def test_a_file_that_is_loaded_is_checked(tmp_path: Path) -> None:
+    file = tmp_path / "a.json"
+    for text, words in (
+        ('{"cloths": [{"particles": [1, 1]}]}', r"a\.json: \$\.cloths\[0\]\.part"),
+        ('{"cloths": [{"pin": []}]}', 'unknown key "pin"; did you mean "pins"'),
+        ('{"cloths": 3}', r"\$\.cloths: expected"),
+        ("{", "line 1"),
+    ):
+        file.write_text(text)
+        with pytest.raises(drape.SceneError, match=words):
+            drape.Scene.load(file)
 
 
 def test_paths_begin_in_the_folder(tmp_path: Path) -> None:

@@ -25,6 +25,7 @@ import pytest
 from needs import need
 
 import drape
+from drape.__main__ import main
 
 # Long enough to be killed while it runs.
 LONG = {
@@ -91,6 +92,67 @@ def test_results_are_the_worlds(tiny: Path, tmp_path: Path) -> None:
     assert table.column("digest").to_pylist() == [row["digest"] for row in done.rows]
     assert table.column("clean").to_pylist() == [True] * 4
     assert len(set(table.column("digest").to_pylist())) == 4
+
+
+def test_a_result_is_a_mesh_by_itself(tiny: Path, tmp_path: Path) -> None:
+    axes = {"dt": [0.01, 0.02], "cloths.0.material.bend": [1e-5]}
+    done = drape.sweep(drape.grid(tiny, axes), tmp_path, frames=4, every=2)
+    labels = [row["label"] for row in done.rows]
+    assert labels == ["dt=0.01, bend=1e-05", "dt=0.02, bend=1e-05"]
+    data = done.data(labels[1])
+    world = drape.World(tiny, dt=0.02)
+    assert np.array_equal(data["triangles"], world.triangles)
+    assert np.array_equal(data["rest"][world.bodies[0].vertices], world.bodies[0].rest)
+    assert data["body_names"].tolist() == [each.name for each in world.bodies]
+    file = tmp_path / "results" / f"{done.rows[1]['id']}.npz"
+    cloth, ball = drape.read_meshes(file).values()
+    assert cloth.frames is not None and len(cloth.frames) == 3
+    assert cloth.frame_dt == pytest.approx(2 * world.steps_per_frame * 0.02)
+    assert ball.frames is None and ball.kind == "obstacle"
+    assert drape.audit_frames(cloth.frames, cloth.triangles)[2].pairs == 0
+
+
+def test_draws_follow_from_the_seed(tiny: Path) -> None:
+    axes: dict[str, Any] = {
+        "dt": (0.01, 0.02),
+        "cloths.0.material.name": ["denim", "silk"],
+        "cloths.0.material.friction": lambda random: random.choice([0.1, 0.2]),
+    }
+    few, many = (drape.sample(tiny, axes, count, seed=7) for count in (3, 8))
+    assert [each.parameters for each in few] == [each.parameters for each in many[:3]]
+    assert len({each.parameters["dt"] for each in many}) == 8
+    assert all(0.01 <= each.parameters["dt"] < 0.02 for each in many)
+    assert {each.parameters["cloths.0.material.name"] for each in many} == {
+        *("denim", "silk")
+    }
+    assert [each.parameters["draw"] for each in few] == [0, 1, 2]
+    other = drape.sample(tiny, axes, 3, seed=8)
+    assert other[0].parameters["dt"] != few[0].parameters["dt"]
+
+
+def test_the_command(
+    tiny: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = [str(tiny), "--out", str(tmp_path / "a"), "--frames", "2"]
+    values = ["--set", "cloths.0.material=denim,silk", "--set", "dt=0.01,0.02"]
+    assert main(["sweep", *words, *values]) == 0
+    told = capsys.readouterr().out
+    assert told == f"{tmp_path}/a/table.parquet: 4 scenes, 0 failed, 0 reused\n"
+    assert main(["sweep", *words, "--set", "dt=0.01,-1"]) == 1
+    assert "dt=-1: failed: SceneError: " in capsys.readouterr().err
+    draw = ["--draw", "dt=0.01..0.02", "--count", "3", "--seed", "5", "--quiet"]
+    assert main(["sweep", *words, *draw]) == 0 and not capsys.readouterr().out
+    for wrong, text in (
+        (["--draw", "dt=0.01..0.02"], "--draw and --count go together"),
+        (["--set", "dt=1", *draw], "expected --set, for all combinations, or --draw"),
+        (["--set", "cloths.9.a=1"], "cloths.9.a: the scene has no such place"),
+    ):
+        assert main(["sweep", *words, *wrong]) == 2
+        assert text in capsys.readouterr().err
+    for wrong, text in ((["--draw", "dt=1"], "LO..HI"), (["--set", "dt"], "KEY=")):
+        with pytest.raises(SystemExit) as end:
+            main(["sweep", *words, *wrong])
+        assert end.value.code == 2 and text in capsys.readouterr().err
 
 
 def test_a_sweep_is_resumed_and_damage_is_seen(tiny: Path, tmp_path: Path) -> None:

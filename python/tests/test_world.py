@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from needs import need
 
 import drape
 
@@ -220,6 +221,46 @@ def test_what_is_printed_is_short(tiny: Path, tmp_path: Path) -> None:
     assert len(shared) == len(world)
     done = drape.sweep([tiny, {"cloths": []}], tmp_path, frames=1)
     assert repr(done).startswith("<drape.Sweep: 2 scenes, 1 failed, 0 reused, ")
+    assert repr(world.audit()) == "<drape.Audit: 0 intersecting pairs>"
+    assert repr(world.contacts()).endswith(" pairs in 0.01667 s>")
+    cloth = drape.Cloth(particles=[2, 2], positions=np.zeros((4, 3)))
+    text = "drape.Cloth(particles=[2, 2], positions=<4 × 3 float64>)"
+    assert repr(cloth) == text
+    assert repr(drape.Scene(cloths=[cloth], dt=0.01)) == (
+        f"drape.Scene(cloths=[{text}], dt=0.01)"
+    )
+    points = [[k, 0.1] for k in range(100)]
+    assert len(repr(drape.Material(stretch={"warp": points}))) < 120
+
+
+def test_reports_are_columns_too(tiny: Path) -> None:
+    reports = drape.World(tiny).step(4)
+    assert reports["step"].tolist() == [1, 2, 3, 4]
+    assert reports["kinetic"].tolist() == [each.kinetic for each in reports]
+    assert reports["seconds.solver"].shape == reports["work.near"].shape == (4,)
+    assert isinstance(reports[1:], drape.Reports) and len(reports[1:]) == 3
+    assert reports[-1].step == 4
+    with pytest.raises(KeyError, match="kinetics: expected one of step, time"):
+        reports["kinetics"]
+    frame = need("pandas") and reports.to_pandas()
+    assert (
+        frame.shape == (4, len(reports.columns()))
+        and frame["time"].is_monotonic_increasing
+    )
+    assert len(drape.Reports().columns()["step"]) == 0
+
+
+def test_a_notebook_shows_a_picture(
+    tiny: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    world = drape.World(tiny)
+    shown = world._repr_html_()
+    assert "&lt;drape.World &#x27;tiny&#x27;" in shown
+    assert 'src="data:image/png;base64,iVBOR' in shown
+    monkeypatch.setenv("DRAPE_TOOL", "/nowhere")
+    assert "<img" not in world._repr_html_()
+    world.close()
+    assert world._repr_html_() == "<code>&lt;drape.World: closed&gt;</code>"
 
 
 def test_a_start_that_intersects_is_printed(sheet: dict[str, Any]) -> None:

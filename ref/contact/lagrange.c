@@ -413,7 +413,7 @@ static void take_met(struct loop *s, bool loose)
         w->run->copy(w->on, change, outer, (size_t)w->nc * sizeof *change);
     take_contacts(s);
     if (loose && loop_continues(s)) {
-        w->run->lessen(w->on, w->nc, 1, outer, change);
+        w->run->unknowns_lessen(w->on, w->nc, 1, outer, change);
         s->met = measure_residual(s, change);
     }
 }

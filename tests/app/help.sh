@@ -6,13 +6,13 @@
 # Help and exit codes
 exits 'help' 0 help
 is 'help names every command' sh -c 'for c in run plan audit render ccd \
-    convert pattern export view fetch-models materials info help; do grep -q "^  $c " out || exit 1; done'
-for command in run plan audit render ccd convert pattern export view fetch-models \
+    convert pattern export view sweep fetch-models materials info help; do grep -q "^  $c " out || exit 1; done'
+for command in run plan audit render ccd convert pattern export view sweep fetch-models \
     materials info help; do
     exits "help $command" 0 help $command
     is "help $command shows its usage" grep -q "usage: drape $command" out
 done
-for command in run plan audit render ccd convert pattern export view \
+for command in run plan audit render ccd convert pattern export view sweep \
     fetch-models; do
     refused "$command --nonsense" '--nonsense: unknown option' \
         $command --nonsense

@@ -85,8 +85,8 @@ printf 'PXR-USDC\000' >crate.usdc
 refused 'a layer of USD as a scene' 'layer.usda: is a USD file, which drape writes' \
     run layer.usda
 refused 'a crate of USD as a scene' 'crate.usdc: is a USD file' plan crate.usdc
-refused 'a layer of USD as a mesh' 'layer.usda: drape cannot read USD yet' \
-    audit layer.usda
+refused 'a layer of USD as a mesh' 'layer.usda: the Python package reads USD' \
+    convert layer.usda out.ply
 printf '{"asset": {"version": "2.0"}, "scenes": []}' >model.gltf
 refused 'a glTF file as a scene' 'model.gltf: is a glTF file' run model.gltf
 # hint WHERE TEXT ANSWER

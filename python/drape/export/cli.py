@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""drape export: writes a run's frames as one USD, glTF or Alembic file."""
+"""drape export: writes a run's frames as one file, or as a file a frame."""
 
 from __future__ import annotations
 
 import importlib
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
 from drape import _whole
+from drape.errors import Error
+from drape.export import arrays
 from drape.export.console import FAILED, OK, USAGE, Parser, complain, whole
 from drape.export.run import Run, RunError
 
@@ -19,24 +22,36 @@ FORMATS = {
     ".glb": ("gltf", "pygltflib"),
     ".abc": ("alembic", "bpy"),
 }
+ENDINGS = ", ".join((*FORMATS, ".npz"))
 
 
 def export(run: Run | str | Path, to: str | Path, every: int = 1) -> int:
     """Writes every `every`-th frame of a run, or of the run in a folder, into a
-    file, by the file's ending.
+    file, by the file's ending: USD, glTF, Alembic or .npz; or each into a file of
+    its own where the name has a number's place, as in ``frame_%04d.vtu``, and ends
+    in .ply, .obj, .off, .stl, .vtk or .vtu.
 
-    The file appears whole or not at all, in place of one that is there. Returns
+    A file appears whole or not at all, in place of one that is there. Returns
     the number of frames in it. Raises RunError, ImportError where the format's
     package is not installed, or OSError.
     """
     run = run if isinstance(run, Run) else Run(run)
     path = Path(to)
-    form = FORMATS.get(path.suffix.lower())
-    if not form:
-        endings = ", ".join(FORMATS)
-        raise RunError(f"{path}: expected a name that ends in {endings}")
     if not path.parent.is_dir():
         raise RunError(f"{path}: there is no folder {path.parent}")
+    ending = path.suffix.lower()
+    if ending in arrays.FRAME:
+        return _frames(run, path, run.frames()[::every])
+    if ending == ".npz":
+        frames = run.frames()[::every]
+        arrays.write_run(run, frames, path)
+        return len(frames)
+    form = FORMATS.get(ending)
+    if not form:
+        raise RunError(
+            f"{path}: expected a name that ends in {ENDINGS}, or one a frame, as "
+            f"frame_%04d.ply, in {', '.join(arrays.FRAME)}"
+        )
     try:
         module = importlib.import_module(f"drape.export.{form[0]}")
     except ImportError as error:
@@ -50,15 +65,34 @@ def export(run: Run | str | Path, to: str | Path, every: int = 1) -> int:
     return len(frames)
 
 
+def _frames(run: Run, path: Path, frames: list[int]) -> int:
+    """Writes a file a frame."""
+    if not re.fullmatch(r"[^%]*%0?\d*d[^%]*", path.name):
+        raise RunError(
+            f"{path}: a file {path.suffix} holds one frame: expected a name with a "
+            f"place for its number, as frame_%04d{path.suffix}"
+        )
+    data = arrays.of_run(run)
+    for frame in frames:
+        one = path.with_name(path.name % frame)
+        arrays.write_frame(one, arrays.all_of(run, frame), data)
+    return len(frames)
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """`drape export`; returns the exit code."""
     parser = Parser(
         prog="drape export",
-        description="Write the frames of a run as one file: USD, glTF or Alembic.",
+        description="Write the frames of a run as one file: USD, glTF, Alembic or "
+        "arrays; or as a file a frame.",
     )
     parser.add_argument("run", metavar="RUN", help="folder that `drape run` wrote")
     parser.add_argument(
-        "--to", required=True, metavar="FILE", help="that ends in " + ", ".join(FORMATS)
+        "--to",
+        required=True,
+        metavar="FILE",
+        help=f"that ends in {ENDINGS}, or a name a frame as frame_%%04d.ply, in "
+        + ", ".join(arrays.FRAME),
     )
     parser.add_argument(
         "--every", type=whole, default=1, metavar="K", help="every K-th frame only"
@@ -69,13 +103,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         count = export(run, given.to, given.every)
     except RunError as error:
         return complain(USAGE, f"export: {error}")
-    except ImportError as error:
+    except (Error, ImportError) as error:
         return complain(FAILED, f"export: {error}")
     except OSError as error:
         return complain(FAILED, f"export: {given.to}: {error.strerror or error}")
     if given.quiet:
         return OK
-    if run.precision == 64:
+    if run.precision == 64 and Path(given.to).suffix.lower() in FORMATS:
         complain(OK, "note: the run has 64 bits; the file's points have 32")
     if run.end != "complete":
         complain(OK, f"note: the run is {run.end}; these are its frames so far")

@@ -8,12 +8,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from ..errors import Error
-from .job import Answer, Data, Job, Variant, grid, jobs_of
+from .job import Answer, Data, Job, Variant, grid, jobs_of, sample
 from .store import Store
 
 Progress = Callable[[int, int], None]
 
-__all__ = ["Sweep", "Variant", "grid", "sweep"]
+__all__ = ["Sweep", "Variant", "grid", "sample", "sweep"]
 
 
 class Sweep:
@@ -46,15 +46,19 @@ class Sweep:
         return [row for row in self.rows if row["status"] != "done"]
 
     def data(self, name: str | int) -> Data:
-        """Returns a scene's arrays, by its name or its number: `positions`, m,
-        and `velocities`, m/s, at the end, and the `frames` that were kept.
+        """Returns a scene's arrays, by its name, its label or its number:
+        `positions`, m, and `velocities`, m/s, at the end; the `frames` of the cloths
+        that were kept, every `frame_dt` s; and what makes them meshes: `triangles`,
+        the sheet at `rest`, m, its `uv`, and where each body's rows are
+        (`body_names`, `body_vertices`, `body_triangles`). The file
+        results/ID.npz has the same, which `read_meshes` reads.
 
         Raises:
             Error: there is no result, or its digest is not that of its arrays
         """
         key = name if isinstance(name, str) else self.rows[name]["name"]
         for row in self.rows:
-            if row["name"] == key:
+            if key in (row["name"], row["label"]):
                 found = self.store.get(row["id"])
                 if found and found[0]["digest"] == row["digest"]:
                     return found[1]
@@ -86,7 +90,8 @@ def sweep(
     diverges, has failed, and the others go on.
 
     Args:
-        scenes: by names, or a list: what `World` takes, or what `grid` returns
+        scenes: by names, or a list: what `World` takes, or what `grid` or `sample`
+            returns
         out: a folder or a URL that fsspec knows, as s3://bucket/folder
         on: "local": processes of this machine; "ray": a Ray cluster; "slurm":
             job arrays, with `out` on a file system that the nodes share; a URL and
@@ -170,6 +175,7 @@ def _row(job: Job, answer: Answer) -> dict[str, Any]:
     """Returns a scene's row of the table."""
     row = {
         "name": job.name,
+        "label": job.label,
         "id": job.id,
         "status": "failed" if answer.row is None else "done",
         "error": answer.error,
@@ -182,7 +188,8 @@ def _arrow() -> Any:
     try:
         import pyarrow.parquet
     except ImportError as error:
-        raise Error("drape.sweep needs pyarrow: pip install pyarrow") from error
+        text = f"drape.sweep needs pyarrow ({error}): pip install pyarrow"
+        raise Error(text) from error
     return pyarrow
 
 

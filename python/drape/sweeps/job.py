@@ -10,7 +10,7 @@ import io
 import json
 import os
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
@@ -23,9 +23,11 @@ from .._core import ffi, lib
 from .._define import tree_of, with_keys
 from .._meshes import on_host
 from ..errors import Error, SceneError
+from ..export.arrays import of_world
 from ..world import Reports, World
 
 Data = dict[str, NDArray[Any]]
+FORMAT = 2  # of results: those of another one are not taken for this one's
 
 
 @dataclass
@@ -35,27 +37,90 @@ class Variant:
     Attributes:
         scene: what `World` takes
         parameters: columns of the sweep's table
+        label: for people, as "bend=1e-05, dt=0.01"; default: the scene's name
     """
 
     scene: scenes.SceneLike
     parameters: dict[str, Any] = field(default_factory=dict)
+    label: str = ""
 
 
 def grid(scene: scenes.SceneLike, axes: Mapping[str, Sequence[Any]]) -> list[Variant]:
-    """Returns a scene's variants: all combinations of some parameters' values.
+    """Returns a scene's variants: all combinations of some parameters' values. The
+    last words of their paths are in the labels.
 
     Args:
         scene: what `World` takes
         axes: values by the path of a key, as "dt" or "cloths.0.material.bend"
     """
+    rows = (dict(zip(axes, each, strict=True)) for each in product(*axes.values()))
+    return [_variant(scene, row) for row in rows]
+
+
+Draw = Callable[[np.random.Generator], Any]
+
+
+def sample(
+    scene: scenes.SceneLike,
+    axes: Mapping[str, Sequence[Any] | Draw],
+    count: int,
+    seed: int = 0,
+) -> list[Variant]:
+    """Returns variants of a scene whose parameters are drawn at random. Number k is
+    the same for any count, and has its own column, `draw`, and the seed's.
+
+    Args:
+        scene: what `World` takes
+        axes: by the path of a key: a pair (low, high) to draw from evenly, a list
+            to choose from, or a function of a `numpy.random.Generator`
+        count: how many
+        seed: a whole number, from which all numbers follow
+    """
     variants = []
-    for values in product(*axes.values()):
-        tree = _tree(scene)
-        parameters = dict(zip(axes, values, strict=True))
-        for path, value in parameters.items():
-            _put(tree, path, value)
-        variants.append(Variant(tree, parameters))
+    for k in range(scenes.whole(count, "count")):
+        generator = np.random.default_rng([scenes.whole(seed, "seed"), k])
+        drawn = {path: _drawn(axis, generator) for path, axis in axes.items()}
+        made = _variant(scene, drawn)
+        made.parameters |= {"seed": seed, "draw": k}
+        variants.append(made)
     return variants
+
+
+def _drawn(axis: Sequence[Any] | Draw, generator: np.random.Generator) -> Any:
+    if callable(axis):
+        value = axis(generator)
+    elif isinstance(axis, tuple):
+        low, high = axis
+        value = float(generator.uniform(low, high))
+    else:
+        value = axis[int(generator.integers(len(axis)))]
+    return _plain(value)
+
+
+def _plain(value: Any) -> Any:
+    """Returns a value with plain numbers in place of NumPy's."""
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    return [_plain(each) for each in value] if isinstance(value, list) else value
+
+
+def _variant(scene: scenes.SceneLike, parameters: dict[str, Any]) -> Variant:
+    """Returns a scene with the values of some keys' paths."""
+    tree = _tree(scene)
+    for path, value in parameters.items():
+        _put(tree, path, value)
+    last = [path.rpartition(".")[2] for path in parameters]
+    words = (
+        f"{word if last.count(word) == 1 else path}={_told(value)}"
+        for word, (path, value) in zip(last, parameters.items(), strict=True)
+    )
+    return Variant(tree, parameters, ", ".join(words))
+
+
+def _told(value: Any) -> str:
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(map(_told, value))}]"
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def _tree(scene: scenes.SceneLike) -> Any:
@@ -94,6 +159,7 @@ class Job:
         scene: as its reader takes it
         frames: to make; every: of which the positions are kept, 0: of none
         parameters: columns of the table
+        label: for people
     """
 
     name: str
@@ -101,6 +167,7 @@ class Job:
     frames: int | None
     every: int
     parameters: dict[str, Any]
+    label: str = ""
 
     @property
     def id(self) -> str:
@@ -108,7 +175,7 @@ class Job:
         Files of meshes are known by their paths, not by what is in them."""
         total = hashlib.sha256()
         text = self.scene.text
-        about = [text, self.frames, self.every, version()]
+        about = [text, self.frames, self.every, version(), FORMAT]
         if '"mesh"' in text or '"files"' in text:
             about.append(self.scene.file)
         total.update(json.dumps(about).encode())
@@ -181,7 +248,8 @@ def jobs_of(
         text = with_keys(scenes.read(variant.scene), keys)
         # a worker may be started in another folder
         text = dataclasses.replace(text, file=os.path.abspath(text.file))
-        yield Job(str(name), text, frames, every, variant.parameters)
+        label = variant.label or str(name)
+        yield Job(str(name), text, frames, every, variant.parameters, label)
 
 
 def digest(data: Data) -> str:
@@ -196,7 +264,8 @@ def digest(data: Data) -> str:
 
 def run(job: Job) -> tuple[dict[str, Any], Data]:
     """Runs a job and returns its row of the table and its arrays: `positions`
-    and `velocities` at the end, and `frames` [count, vertices of cloths, 3]."""
+    and `velocities` at the end; `frames` [count, vertices of cloths, 3], `frame_dt`
+    s apart; and what `of_world` says of triangles, rest and bodies."""
     began = time.perf_counter()
     with World(job.scene) as world:
         frames = world.frames if job.frames is None else job.frames
@@ -208,9 +277,10 @@ def run(job: Job) -> tuple[dict[str, Any], Data]:
             if job.every and frame % job.every == 0:
                 kept.append(_state(world)[0][:cloths])
         x, v = _state(world)
-        data = {"positions": x, "velocities": v}
+        data = {"positions": x, "velocities": v, **of_world(world)}
         if kept:
-            data["frames"] = np.stack(kept)
+            apart = job.every * world.steps_per_frame * world.dt
+            data |= {"frames": np.stack(kept), "frame_dt": np.array(apart)}
         row = _row(world, reports)
     row["seconds"] = time.perf_counter() - began
     row["digest"] = digest(data)

@@ -14,8 +14,8 @@ from needs import need
 import drape
 from apps.runs import FRAMES, STILL, make
 from drape.export.run import Run, RunError
-from drape.view.live import contacts_of
-from drape.view.source import Recorded
+from drape.viewer.live import contacts_of
+from drape.viewer.source import Recorded
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +47,7 @@ def test_they_are_those_of_the_world(touching: Path, tmp_path: Path) -> None:
         live, shown = contacts_of(world), Recorded(folder).contacts(FRAMES)
         assert live is not None and shown is not None
         assert np.array_equal(live.points, shown.points)
-        assert np.array_equal(live.impulses, shown.impulses)
+        assert np.array_equal(live.forces, shown.forces)
 
 
 def test_another_reader_reads_them(touching: Path) -> None:

@@ -16,9 +16,9 @@ WHY = "is not installed: no test of the page"
 pytest.importorskip("viser", reason=f"viser {WHY}")
 pytest.importorskip("pygltflib", reason=f"pygltflib {WHY}")
 from drape.errors import Error  # noqa: E402
-from drape.view.gate import Gate, is_loopback  # noqa: E402
-from drape.view.page import Page  # noqa: E402
-from drape.view.source import Recorded  # noqa: E402
+from drape.viewer.gate import Gate, is_loopback  # noqa: E402
+from drape.viewer.page import Page  # noqa: E402
+from drape.viewer.source import Recorded  # noqa: E402
 
 SOCKET = (
     "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"

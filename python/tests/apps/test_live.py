@@ -14,7 +14,8 @@ from apps.runs import FRAMES, moving
 from drape.contacts import Contacts
 from drape.errors import SceneError
 from drape.export import Run
-from drape.view import live
+from drape.viewer import live
+from drape.viewer.source import on_cloths
 
 
 @pytest.fixture
@@ -94,12 +95,17 @@ def test_places_and_impulses_of_contacts() -> None:
         normals=np.zeros((2, 3)),
         gaps=np.zeros(2),
         impulses=np.array([[0.0, 0, 2], [0, 0, 3]]),
-        body_impulses=np.zeros((2, 3)),
+        body_impulses=np.array([[0.0, 0, -1], [0, 0, 1]]),
+        count=5,
         dt=1.0,
     )
-    got = live.located(pairs, x, 1)
-    assert np.allclose(got.points, [[0.2, 0.2, 0.1], [0.75, 0, 0]])
-    assert np.array_equal(got.impulses, [[0, 0, 2], [0, 0, -3]])
+    assert np.allclose(pairs.places(x), [[0.2, 0.2, 0.1], [0.75, 0, 0]])
+    on_cloth = on_cloths(pairs.bodies, pairs.impulses, 1)
+    assert np.array_equal(on_cloth, [[0, 0, 2], [0, 0, -3]])
+    assert np.allclose(pairs.forces().sum(0), 0)
+    torque = pairs.body_torques([0, 0, 0], x)
+    assert np.allclose(torque[0], -torque[1])
+    assert np.allclose(torque[0], np.cross([0.2, 0.2, 0.1], [0, 0, 2]) - [0, -2.25, 0])
 
 
 def test_contacts_hold_a_cloth_up(scene: Path) -> None:
@@ -108,7 +114,7 @@ def test_contacts_hold_a_cloth_up(scene: Path) -> None:
     before, after = source.contacts(0), source.contacts(FRAMES)
     assert before is not None and not len(before.points)
     assert after is not None and len(after.points) > 10
-    assert after.impulses[:, 1].sum() > 0
+    assert after.forces[:, 1].sum() > 0
     assert np.linalg.norm(after.points - [0, 0.2, 0], axis=1).max() < 0.6
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from drape.export import Body, Run
-from drape.view import strain
+from drape.viewer import strain
 
 
 @pytest.fixture

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a page can show: frames that are recorded, or that are being made."""
+"""What a page shows: frames of bodies that were recorded, or that are being made."""
 
 from __future__ import annotations
 
@@ -12,7 +12,9 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from drape.export.run import Body, Positions, Run
+from drape.errors import SceneError
+from drape.export.run import Body, Positions, Run, make_body
+from drape.meshes import Mesh
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,8 +23,8 @@ class Contacts:
 
     points: NDArray[np.float32]
     """[contacts, 3] m."""
-    impulses: NDArray[np.float32]
-    """[contacts, 3] N·s, on the cloth."""
+    forces: NDArray[np.float32]
+    """[contacts, 3] N, on the cloth, the mean of a step's last slice."""
 
 
 def on_cloths(
@@ -42,12 +44,17 @@ class Source(Protocol):
     """Time between frame k and frame k + 1, s."""
     camera: dict[str, Any] | None
     """The scene's camera: `eye` and `target`, m, and `fov`, degrees."""
+    no_contacts: str
+    """Why there are no contacts, where there are none."""
 
     def frames(self) -> Sequence[int]:
         """The numbers of the frames that can be shown now."""
 
     def growing(self) -> bool:
         """Whether there may be more frames later."""
+
+    def want(self, frame: int) -> None:
+        """Says that frames up to this one are wanted next."""
 
     def positions(self, body: Body, frame: int) -> Positions:
         """The vertices of a body, [vertices, 3] m."""
@@ -72,6 +79,8 @@ def step_words(outcome: str, contacts: int, rounds: int, iterations: int) -> str
 class Recorded:
     """The frames of a run's folder; while the run goes on there come more."""
 
+    no_contacts = "`drape run --contacts` writes contacts"
+
     def __init__(self, folder: str | Path) -> None:
         """Opens the folder of a run."""
         self._run = Run(folder)
@@ -95,6 +104,9 @@ class Recorded:
         self._end, self._steps = str(report["end"]), report["steps"]
         return self._end == "unfinished"
 
+    def want(self, frame: int) -> None:
+        """Does nothing: the run is another process's."""
+
     def positions(self, body: Body, frame: int) -> Positions:
         """The vertices of a body, [vertices, 3] m."""
         return self._run.positions(body, frame)
@@ -105,8 +117,8 @@ class Recorded:
         if found is None:
             return None
         cloths = sum(body.kind == "cloth" for body in self.bodies)
-        on_cloth = on_cloths(found.bodies, found.impulses, cloths)
-        return Contacts(found.points.astype(np.float32), on_cloth.astype(np.float32))
+        force = on_cloths(found.bodies, found.impulses, cloths) / (found.dt or 1)
+        return Contacts(found.points.astype(np.float32), force.astype(np.float32))
 
     def words(self, frame: int) -> str:
         """The report of the frame's last step."""
@@ -118,3 +130,60 @@ class Recorded:
 
     def close(self) -> None:
         """Does nothing: the run is another process's."""
+
+
+class Meshes:
+    """Meshes of any program, with the frames of those that move."""
+
+    no_contacts = "meshes have no contacts"
+    camera: dict[str, Any] | None = None
+
+    def __init__(self, meshes: Sequence[Mesh], title: str) -> None:
+        """Takes the meshes, of which those that move have equally many frames."""
+        self.title = title
+        moving = [each for each in meshes if each.frames is not None]
+        self._x: dict[str, Positions] = {}
+        self.bodies: Sequence[Body] = [self._add(k, m) for k, m in enumerate(meshes)]
+        self.seconds = moving[0].frame_dt if moving else 1 / 60
+        self._count = max(len(each) for each in self._x.values())
+        for name, x in self._x.items():
+            if len(x) not in (1, self._count):
+                raise SceneError(f"{name}: {len(x)} frames; others have {self._count}")
+
+    def _add(self, number: int, mesh: Mesh) -> Body:
+        x = mesh.vertices[None] if mesh.frames is None else mesh.frames
+        body = make_body(mesh.name or f"mesh {number}", mesh.triangles, len(x) > 1)
+        name = body.name
+        while name in self._x:
+            name += "'"
+        self._x[name] = np.asarray(x)[:, body.rows]
+        kind = mesh.kind or "cloth"
+        return Body(name, kind, body.rows, body.faces, None, None, None, body.moving)
+
+    def frames(self) -> Sequence[int]:
+        """The numbers of the frames."""
+        return range(self._count)
+
+    def growing(self) -> bool:
+        """False: all frames are there."""
+        return False
+
+    def want(self, frame: int) -> None:
+        """Does nothing: all frames are there."""
+
+    def positions(self, body: Body, frame: int) -> Positions:
+        """The vertices of a body, [vertices, 3] m."""
+        x = self._x[body.name]
+        found: Positions = x[min(frame, len(x) - 1)]
+        return found
+
+    def contacts(self, frame: int) -> Contacts | None:
+        """None: nobody knows them."""
+        return None
+
+    def words(self, frame: int) -> str:
+        """Nothing."""
+        return ""
+
+    def close(self) -> None:
+        """Does nothing."""

@@ -10,18 +10,23 @@ from pathlib import Path
 from drape.errors import Error, SceneError
 from drape.export.console import FAILED, OK, USAGE, Parser, complain, port
 from drape.export.run import RunError
-from drape.view.live import Live
-from drape.view.source import Recorded, Source
+from drape.meshes import BEYOND, read_meshes
+from drape.viewer.live import Live
+from drape.viewer.source import Meshes, Recorded, Source
+
+MESHES = (*BEYOND, ".ply", ".off", ".obj", ".stl", ".glb", ".gltf", ".dae", ".fbx")
 
 
 def open_source(name: str) -> Source:
-    """A run's folder, or a scene's file."""
+    """A run's folder, a scene's file, or a file of meshes."""
     path = Path(name)
     if path.is_dir():
         return Recorded(path)
     if not path.is_file():
         raise RunError(f"{name}: expected the folder of a run, or a scene's file")
-    return Live(path)
+    if path.suffix.lower() in MESHES:
+        return Meshes(list(read_meshes(path).values()), path.name)
+    return Live(path, paced=True)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -29,7 +34,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = Parser(
         prog="drape view", description="Show a run or a scene in a web browser."
     )
-    parser.add_argument("run", metavar="RUN|SCENE", help="a folder, or a .json")
+    parser.add_argument(
+        "run",
+        metavar="RUN|SCENE|MESH",
+        help="a folder, a .json, or a file of meshes, as .ply, .npz, .usd",
+    )
+    parser.add_argument("--paused", action="store_true", help="do not begin to play")
     parser.add_argument(
         "--port",
         type=port,
@@ -49,7 +59,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     # what strangers send to the port is not for the terminal
     logging.getLogger("websockets.server").setLevel(logging.CRITICAL)
     try:
-        from drape.view.page import Page
+        from drape.viewer.page import Page
     except ImportError as error:
         return complain(
             FAILED,
@@ -57,7 +67,8 @@ def main(argv: Sequence[str] | None = None) -> int:
             "pip install viser pygltflib",
         )
     try:
-        page = Page(open_source(given.run), given.host, given.port)
+        source = open_source(given.run)
+        page = Page(source, given.host, given.port, play=not given.paused)
     except (RunError, SceneError) as error:
         return complain(USAGE, f"view: {error}")
     except Error as error:

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The examples of the page `Four trades` do what they say, and print what it shows."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import ROOT
+
+PAGE = ROOT / "python/docs/tutorials/trades.md"
+
+
+def example(name: str) -> Any:
+    """An example as a module."""
+    path = ROOT / "python/examples" / f"{name}.py"
+    spec = importlib.util.spec_from_file_location(name, path)
+    assert spec and spec.loader
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def shown(name: str) -> list[str]:
+    """What the page shows that an example prints."""
+    text = PAGE.read_text(encoding="utf-8")
+    found = re.search(rf"examples/{name}\.py\n.*?```text\n(.*?)```", text, re.DOTALL)
+    assert found, f"{PAGE}: nothing is shown of {name}"
+    return found[1].splitlines()
+
+
+def printed(capsys: pytest.CaptureFixture[str]) -> list[str]:
+    """What an example has printed, but for how fast it was."""
+    lines = capsys.readouterr().out.splitlines()
+    return [line for line in lines if "steps a second" not in line]
+
+
+def test_a_gripper_folds_a_towel(capsys: pytest.CaptureFixture[str]) -> None:
+    assert example("gripper").main() > 0.3
+    assert printed(capsys) == shown("gripper")
+
+
+def test_a_closed_loop(capsys: pytest.CaptureFixture[str]) -> None:
+    assert example("loop").main() < 0.01
+    assert printed(capsys) == shown("loop")
+
+
+def test_a_data_set(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    x = example("drapes").main(str(tmp_path))
+    assert x.shape == (64, 289, 3) and np.isfinite(x).all()
+    assert len(np.unique(x.round(6), axis=0)) == 64
+    assert printed(capsys) == shown("drapes")
+
+
+def test_a_fit(capsys: pytest.CaptureFixture[str]) -> None:
+    assert 1e-6 < example("fit").main(60) < 3e-6
+    assert printed(capsys) == shown("fit")
