@@ -19,11 +19,11 @@ import tempfile
 # particle in the last step, a tenth above what they were on 2026-11-29.
 COUNTS = ["iterations", "solves", "rounds", "slices", "contacts a particle"]
 SCENES = {
-    "layers_2": (31, 32, 40, (2610, 401, 40, 44, 0.68)),
-    "layers_8": (31, 32, 20, (1610, 290, 47, 22, 0.89)),
-    "funnel_540k": (31, 32, 20, (2300, 645, 54, 88, 0.92)),
-    "ball_past": (41, 32, 60, (1460, 345, 52, 66, 0.1)),
-    "ball_stops": (41, 32, 40, (2025, 330, 69, 44, 0.1)),
+    "layers_2": (31, 32, 40, (2540, 411, 37, 44, 0.67)),
+    "layers_8": (31, 32, 20, (2130, 345, 29, 22, 0.71)),
+    "funnel_540k": (31, 32, 20, (2420, 680, 52, 88, 0.93)),
+    "ball_past": (41, 32, 60, (1350, 328, 53, 66, 0.1)),
+    "ball_stops": (41, 32, 40, (1815, 291, 56, 44, 0.1)),
 }
 
 

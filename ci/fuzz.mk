@@ -5,7 +5,7 @@
 .PHONY: fuzz fuzz-soak fuzz-libs corpus
 TARGETS := bank bodies calls create damage draw live load many queries reads \
            replay small stage step table whole worlds
-READERS := checkpoint csv files mutate part readers report strict
+READERS := checkpoint csv files mutate part pattern readers report strict
 PARTS := $(filter-out $(addprefix $(BUILD)/tests/base/,check.o certify.o), \
          $(TEST_O)) $(REF_O) $(EMU_O) $(ORC_O) \
          $(call obj,$(addprefix fuzz/,$(TARGETS))) \
@@ -14,10 +14,10 @@ PARTS := $(filter-out $(addprefix $(BUILD)/tests/base/,check.o certify.o), \
 FUZZ_L := $(ORC_L) $(if $(HAS_APP),$(APP_LIBS)) -lstdc++ -lm
 # Comparisons are not traced where there are millions of them: ci/fuzz.sh.
 $(BUILD)/ref/%.o $(BUILD)/tests/%.o: MODEL += $(UNTRACED)
-# The words of a scene's documentation, for those who change scenes.
-$(BUILD)/words.h: app/scenes/README.md
+# The words of the pages on scenes and patterns, for those who change these.
+$(BUILD)/words.h: app/scenes/README.md app/patterns/README.md
 	@mkdir -p $(@D)
-	$(call show,MAKE $@)grep -o '`[^` ]*`' $< | tr -d '`"' | grep -x '[a-z0-9_-]*' | sort -u | \
+	$(call show,MAKE $@)grep -oh '`[^` ]*`' $^ | tr -d '`"' | grep -x '[a-z0-9_-]*' | sort -u | \
 	  sed 's/.*/"&",/' >$@
 $(BUILD)/fuzz/mutate.o: $(BUILD)/words.h
 $(BUILD)/parts.a: $(PARTS)

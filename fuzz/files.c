@@ -16,13 +16,13 @@ static long owner; /* process that made the folder; a child process does not
 
 /* All files that targets make, so that none is left behind. */
 static const char *const names[] = {
-    "scene.json",   "ball.ply",    "wave_0.ply",
-    "wave_1.ply",   "wave_2.ply",  "queries.csv",
-    "answers",      "report.json", "checkpoint.drape",
-    "in.ply",       "in.off",      "in.obj",
-    "in.stl",       "in.gltf",     "in.glb",
-    "in.dae",       "in.fbx",      "frames/cloth_0000.ply",
-    "settings.json"};
+    "scene.json",    "ball.ply",    "wave_0.ply",
+    "wave_1.ply",    "wave_2.ply",  "queries.csv",
+    "answers",       "report.json", "checkpoint.drape",
+    "in.ply",        "in.off",      "in.obj",
+    "in.stl",        "in.gltf",     "in.glb",
+    "in.dae",        "in.fbx",      "frames/cloth_0000.ply",
+    "settings.json", "pattern.json"};
 
 static void clean(void)
 {

@@ -35,7 +35,7 @@ size_t checkpoint_begin(uint8_t *data, size_t size, size_t most);
 
 /* The targets. */
 fuzz_run fuzz_scene, fuzz_ply, fuzz_mesh, fuzz_frames, fuzz_checkpoint,
-    fuzz_csv, fuzz_report, fuzz_look;
+    fuzz_csv, fuzz_report, fuzz_look, fuzz_pattern;
 fuzz_mutate json_mutate, checkpoint_mutate;
 
 #endif

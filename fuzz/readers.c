@@ -19,6 +19,7 @@ const struct target fuzz_readers[] = {
     {"csv", fuzz_csv, NULL},
     {"report", fuzz_report, NULL},
     {"report_read", fuzz_look, json_mutate},
+    {"pattern", fuzz_pattern, json_mutate},
     {NULL, NULL, NULL}};
 
 enum { PATIENCE = 30, SMALL = 300 };

@@ -80,6 +80,13 @@ static const struct command {
      "Direction --up becomes +y, the largest dimension S, and the mesh\n"
      "stands on y = 0 in the middle of x and z. OUT ends in .ply, .obj,\n"
      ".stl, .glb, .dae or .fbx; - is PLY on standard output.\n"},
+    {"pattern", command_pattern, "cut the panels of a sewing pattern",
+     "drape pattern FILE.json [--cell H] [--out DIR]\n"
+     "Reads a pattern in GarmentCode's JSON, lays its panels on grids of cells "
+     "H m\n"
+     "wide (default: 0.005), and prints how near cells and outlines are, and "
+     "the\n"
+     "lengths of seams. DIR gets tables, a picture, and the panels as PLY.\n"},
     {"export", command_export, "write a run as USD, glTF, Alembic, VTK …",
      "drape export DIR --to FILE [--every K]\n"
      "FILE ends in .usdc, .usda, .usd, .glb, .abc or .npz and gets the frames\n"

@@ -5,7 +5,6 @@
 
 extern "C" {
 #include "gpu/run/gpu.h"
-#include "gpu/world/make.h"
 #include "gpu/world/state.h"
 #include "ref/api/ops.h"
 #include "ref/control/control.h"
@@ -34,37 +33,33 @@ static void end(struct world *w)
         gpu_close(w->device->gpu);
 }
 
+/* Lets the members of `to` point to the streams of the state that `from` has.
+ */
+static void point_state(struct world *to, const struct world *from)
+{
+    const struct state_list a = state_streams(to), b = state_streams(from);
+    for (int k = 0; k < STATE_STREAMS; k++)
+        *a.of[k].at = *b.of[k].at;
+}
+
 /* Returns a copy of the world in which the streams of the state are the host's.
  */
 static struct world staged(const struct world *w)
 {
-    const struct world *h = w->device->host;
     struct world all = *w;
-    all.x0 = h->x0;
-    all.v0 = h->v0;
-    all.past_x = h->past_x;
-    all.past_v = h->past_v;
-    all.anchor = h->anchor;
+    point_state(&all, w->device->host);
     return all;
-}
-
-static size_t anchor_bytes(const struct world *w)
-{
-    return w->anchor ? (size_t)w->nc * sizeof *w->anchor : 0;
 }
 
 static int fetch(const struct world *w)
 {
-    const struct world *h = w->device->host;
+    const struct state_list here = state_streams(w->device->host),
+                            there = state_streams(w);
     struct gpu *g = w->device->gpu;
-    size_t bytes = (size_t)w->nv * sizeof *w->x0;
-    size_t past = w->past_x ? (size_t)w->nc * sizeof *w->past_x : 0;
     gpu_begin(g);
-    gpu_down(g, h->x0, w->x0, bytes);
-    gpu_down(g, h->v0, w->v0, bytes);
-    gpu_down(g, h->past_x, w->past_x, past);
-    gpu_down(g, h->past_v, w->past_v, past);
-    gpu_down(g, h->anchor, w->anchor, anchor_bytes(w));
+    for (int k = 0; k < STATE_STREAMS; k++)
+        gpu_down(g, *here.of[k].at, *there.of[k].at,
+                 (size_t)there.of[k].n * sizeof(vec));
     return gpu_status(g);
 }
 
@@ -132,23 +127,18 @@ static int load(struct world *w, drape_read_bytes *read, void *user)
     w->lagrange = all.lagrange;
     if (status != DRAPE_OK)
         return status;
-    size_t bytes = (size_t)w->nv * sizeof *w->x0;
-    size_t past = w->past_x ? (size_t)w->nc * sizeof *w->past_x : 0;
-    gpu_up(g, w->x0, all.x0, bytes);
-    gpu_up(g, w->v0, all.v0, bytes);
+    const struct state_list here = state_streams(&all),
+                            there = state_streams(w);
+    for (int k = 0; k < STATE_STREAMS; k++)
+        gpu_up(g, *there.of[k].at, *here.of[k].at,
+               (size_t)here.of[k].n * sizeof(vec));
     /* no step writes x1 and v1 of what never moves */
+    size_t bytes = (size_t)w->nv * sizeof *w->x0;
     gpu_up(g, w->x1, all.x0, bytes);
     gpu_up(g, w->v1, all.v0, bytes);
-    gpu_up(g, w->past_x, all.past_x, past);
-    gpu_up(g, w->past_v, all.past_v, past);
-    gpu_up(g, w->anchor, all.anchor, anchor_bytes(w));
     gpu_wait(g);
     *w = all;
-    w->x0 = now.x0;
-    w->v0 = now.v0;
-    w->past_x = now.past_x;
-    w->past_v = now.past_v;
-    w->anchor = now.anchor;
+    point_state(w, &now);
     return gpu_status(g);
 }
 

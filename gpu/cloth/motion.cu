@@ -68,47 +68,20 @@ static void lay_out(struct sheet *s)
     }
 }
 
-namespace
+/* The cloth of a motion on the device: gpu/world/sheet.cu. */
+static struct sheet *sheet_of(const struct dynamics *d)
 {
-
-/* The cloth whose motion is under way, and its device. */
-struct motion {
-    struct gpu *g;
-    struct sheet *s;
-};
-
-} // namespace
-
-static struct motion *motion_of(void *on)
-{
-    return (struct motion *)on;
+    return (struct sheet *)d->solver;
 }
 
-/* STAGE(name): the stage as a function of ref/cloth/newton.h's table. */
-#define STAGE(name)                                                            \
-    static int go_##name(void *on, struct name *s)                             \
-    {                                                                          \
-        return gpu_##name(motion_of(on)->g, s);                                \
-    }
-STAGE(wind)
-STAGE(springs)
-STAGE(predict)
-STAGE(rhs)
-STAGE(update)
-STAGE(imbalance)
-STAGE(dot)
-
-static int go_blocks(void *on, struct blocks *b)
+int gpu_motion_blocks(struct gpu *g, const struct dynamics *d, struct blocks *b)
 {
-    const struct motion *a = motion_of(on);
-    return gpu_blocks_and_rates(a->g, b, a->s->device->rate);
+    return gpu_blocks_and_rates(g, b, sheet_of(d)->device->rate);
 }
 
-static int go_solve(void *on)
+int gpu_motion_solve(struct gpu *g, struct dynamics *d)
 {
-    struct gpu *g = motion_of(on)->g;
-    struct sheet *s = motion_of(on)->s;
-    struct dynamics *d = &s->dynamics;
+    struct sheet *s = sheet_of(d);
     struct pcg *p = &s->solver.pcg;
     p->block = d->block;
     p->packed = d->packed;
@@ -127,40 +100,10 @@ static int go_solve(void *on)
     return status;
 }
 
-static void go_copy(void *on, vec *to, const vec *from, size_t bytes)
-{
-    gpu_copy(motion_of(on)->g, to, from, bytes);
-}
-
-static void go_trace(void *on, const char *stage, const void *out, size_t bytes)
-{
-    const struct motion *a = motion_of(on);
-    gpu_trace(a->g, a->s->dynamics.trace, stage, out, bytes);
-}
-
-static struct newton_stages stages_make(void)
-{
-    struct newton_stages run = {};
-    run.wind = go_wind;
-    run.springs = go_springs;
-    run.blocks = go_blocks;
-    run.predict = go_predict;
-    run.rhs = go_rhs;
-    run.update = go_update;
-    run.imbalance = go_imbalance;
-    run.dot = go_dot;
-    run.solve = go_solve;
-    run.copy = go_copy;
-    run.trace = go_trace;
-    return run;
-}
-
 static int go_implicit(struct gpu *g, struct sheet *s)
 {
-    struct newton_stages run = stages_make();
-    struct motion on = {g, s};
     gpu_hand_over(g);
-    int status = newton_move(&s->dynamics, &run, &on);
+    int status = newton_move(&s->dynamics, &backend_gpu, g);
     gpu_hand_over(g);
     return status;
 }
@@ -196,20 +139,18 @@ int gpu_motion(struct gpu *g, struct sheet *s)
  * and the wind, is not: gpu/world/sheet.cu. */
 int gpu_motion_part(struct gpu *g, struct sheet *s, int part)
 {
-    struct newton_stages run = stages_make();
-    struct motion on = {g, s};
     switch (part) {
     case MOTION_OPEN:
         begin(s);
         gpu_hand_over(g);
-        return newton_open(&s->dynamics, &run, &on);
+        return newton_open(&s->dynamics, &backend_gpu, g);
     case MOTION_PLACE:
-        return newton_place(&s->dynamics, &run, &on);
+        return newton_place(&s->dynamics, &backend_gpu, g);
     case MOTION_BALANCE:
         gpu_hand_over(g);
-        return newton_balance(&s->dynamics, &run, &on);
+        return newton_balance(&s->dynamics, &backend_gpu, g);
     case MOTION_LINEARISE:
-        return newton_linearise(&s->dynamics, &run, &on);
+        return newton_linearise(&s->dynamics, &backend_gpu, g);
     case MOTION_END:
         return finish(g, s, DRAPE_OK);
     }

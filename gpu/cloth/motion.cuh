@@ -8,6 +8,7 @@
 
 extern "C" {
 #include "gpu/cloth/motion.h"
+#include "gpu/run/backend.h"
 }
 
 /* Stream k of work. */

@@ -13,20 +13,8 @@
 KERNEL cublas_residual_kernel(const struct pcg &s)
 {
     ITEM(k, s.count);
-    struct residual a = {.m = s.m,
-                         .n = s.n,
-                         .count = s.count,
-                         .mass = s.mass,
-                         .n_extra = s.n_extra,
-                         .extra = s.extra,
-                         .block = s.block,
-                         .fixed = s.fixed,
-                         .b = s.b,
-                         .x = s.dv,
-                         .low = s.low,
-                         .r = s.r};
     s.r[k] =
-        s.fixed[k] ? make(0, 0, 0) : left_over(&a, place_of(grid{s.m, s.n}, k));
+        s.fixed[k] ? make(0, 0, 0) : left_over(&s, place_of(grid{s.m, s.n}, k));
 }
 
 /* Thread k owns s[k] = M⁻¹r by Jacobi. */
@@ -100,18 +88,7 @@ static void multiply(struct gpu *g, struct pcg *s)
     struct filtered e = {s->fixed, s->q};
     edges<sym> t = {
         {s->m, s->n}, s->mass, s->n_extra ? s->extra : NULL, NULL, s->block};
-    struct product a = {.m = s->m,
-                        .n = s->n,
-                        .count = s->count,
-                        .mass = s->mass,
-                        .n_extra = s->n_extra,
-                        .extra = s->extra,
-                        .n_blocks = 0,
-                        .block = NULL,
-                        .n_cdf = s->n_cdf,
-                        .cdf = s->cdf,
-                        .x = s->p,
-                        .y = s->q};
+    struct product a = pcg_product(s, s->p, s->q);
     if (s->n_cdf)
         LAUNCH(g, s->count, cublas_product_kernel, a, cdf_of(s->m, s->n), e);
     else

@@ -49,12 +49,13 @@ struct joint_system {
 };
 
 /* ref/solve/joint.h on the device, for the joint of *s. DRAPE_OK however the
- * iteration ends, or the status of a stage. What gpu_joint_set_up makes is not
- * lent, so any stage may come between these functions. measure and solve wait
- * for the device. */
-int gpu_joint_set_up(const struct joint_system *s);
-int gpu_joint_measure(const struct joint_system *s, const vec *r, real *value);
-int gpu_joint(const struct joint_system *s);
+ * iteration ends, or the status of a stage. What gpu_joint_system_set_up makes
+ * is not lent, so any stage may come between these functions. measure and solve
+ * wait for the device. */
+int gpu_joint_system_set_up(const struct joint_system *s);
+int gpu_joint_system_measure(const struct joint_system *s, const vec *r,
+                             real *value);
+int gpu_joint_system_solve(const struct joint_system *s);
 
 #ifdef __cplusplus
 }

@@ -4,7 +4,7 @@
 #include "gpu/contact/contact.cuh"
 
 extern "C" {
-#include "gpu/contact/rounds.h"
+#include "gpu/run/backend.h"
 #include "ref/contact/rounds.h"
 }
 

@@ -4,7 +4,7 @@
 #include "gpu/contact/lists.cuh"
 
 extern "C" {
-#include "gpu/contact/unknowns.h"
+#include "gpu/run/backend.h"
 #include "ref/contact/carry.h"
 #include "ref/contact/unknowns.h"
 }

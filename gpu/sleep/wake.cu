@@ -3,7 +3,7 @@
 #include "gpu/base/largest.cuh"
 
 extern "C" {
-#include "gpu/sleep/wake.h"
+#include "gpu/run/backend.h"
 #include "ref/sleep/wake.h"
 }
 

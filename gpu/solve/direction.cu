@@ -90,18 +90,7 @@ void gpu_pcg_search(struct gpu *g, const struct pcg *s, struct search a)
     struct grid grid = {s->m, s->n};
     struct mixed m = {s->s, a.p, a.c};
     struct image e = {s->fixed, a.to, s->q, a.item};
-    struct product y = {.m = s->m,
-                        .n = s->n,
-                        .count = s->count,
-                        .mass = s->mass,
-                        .n_extra = s->n_extra,
-                        .extra = s->extra,
-                        .n_blocks = 0,
-                        .block = NULL,
-                        .n_cdf = s->n_cdf,
-                        .cdf = s->cdf,
-                        .x = a.to,
-                        .y = s->q};
+    struct product y = pcg_product(s, a.to, s->q);
     if (s->n_cdf) {
         LAUNCH(g, s->count, pcg_direction_kernel, m, a.to, s->count);
         LAUNCH(g, s->count, pcg_product_kernel, y, cdf_of(s->m, s->n), e, go);

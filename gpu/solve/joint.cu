@@ -362,18 +362,8 @@ static void multiply_matrix(const struct joint_system *w, const struct solve *a)
     each_cloth(w, [&](int k) {
         const struct joint_part *s = &w->part[k];
         const struct pcg *p = &s->pcg;
-        struct product m = {.m = p->m,
-                            .n = p->n,
-                            .count = p->count,
-                            .mass = p->mass,
-                            .n_extra = 0,
-                            .extra = NULL,
-                            .n_blocks = p->n_cdf ? 0 : p->n_blocks,
-                            .block = p->block,
-                            .n_cdf = p->n_cdf,
-                            .cdf = p->cdf,
-                            .x = a->dv + s->first,
-                            .y = a->q + s->first};
+        struct product m = pcg_product(p, a->dv + s->first, a->q + s->first);
+        m.n_extra = 0;
         return gpu_product(g, &m);
     });
     LAUNCH(g, a->nc, joint_conclude_kernel, *a);
@@ -477,7 +467,7 @@ static void write_solve(struct solve *a, const struct joint_system *w,
     a->begin.with_r = 1;
 }
 
-int gpu_joint_set_up(const struct joint_system *w)
+int gpu_joint_system_set_up(const struct joint_system *w)
 {
     struct solve a;
     gpu_hand_over(w->gpu);
@@ -487,7 +477,8 @@ int gpu_joint_set_up(const struct joint_system *w)
     return status;
 }
 
-int gpu_joint_measure(const struct joint_system *w, const vec *r, real *value)
+int gpu_joint_system_measure(const struct joint_system *w, const vec *r,
+                             real *value)
 {
     struct gpu *g = w->gpu;
     struct joint_state fresh = {};
@@ -504,7 +495,7 @@ int gpu_joint_measure(const struct joint_system *w, const vec *r, real *value)
     return gpu_status(g);
 }
 
-int gpu_joint(const struct joint_system *w)
+int gpu_joint_system_solve(const struct joint_system *w)
 {
     struct joint *s = w->joint;
     struct gpu *g = w->gpu;

@@ -61,23 +61,11 @@ KERNEL pcg_residual_kernel(const struct pcg &s, struct pcg_state *c,
     int phase = c->phase;
     if (phase != PHASE_OPEN && phase != PHASE_ENDED)
         return;
-    struct residual a = {.m = s.m,
-                         .n = s.n,
-                         .count = s.count,
-                         .mass = s.mass,
-                         .n_extra = s.n_extra,
-                         .extra = s.extra,
-                         .block = s.block,
-                         .fixed = s.fixed,
-                         .b = s.b,
-                         .x = s.dv,
-                         .low = s.low,
-                         .r = s.r};
     vec r = make(0, 0, 0);
     if (k < s.count) {
         bool zero = phase == PHASE_OPEN && !s.n_z;
         if (!s.fixed[k])
-            r = zero ? s.b[k] : left_over(&a, place_of(grid{s.m, s.n}, k));
+            r = zero ? s.b[k] : left_over(&s, place_of(grid{s.m, s.n}, k));
         s.r[k] = r;
         begin_from(&s, &scratch, (int)k, r);
     }

@@ -8,13 +8,12 @@
 #include "gpu/solve/grid.cuh"
 
 extern "C" {
-#include "ref/solve/residual.h"
+#include "ref/solve/pcg.h"
 }
 
-static __device__ inline struct wide solution_of(const struct residual *s,
-                                                 int p)
+static __device__ inline struct wide solution_of(const struct pcg *s, int p)
 {
-    struct wide x = widen(s->x[p]), low = widen(s->low[p]);
+    struct wide x = widen(s->dv[p]), low = widen(s->low[p]);
     return wide3(x.x + low.x, x.y + low.y, x.z + low.z);
 }
 
@@ -28,9 +27,8 @@ static __device__ inline struct wide subtract_product(struct wide r, sym a,
                         dot(wide3(xz, yz, zz), d)));
 }
 
-/* Returns b - A (x + low) at one particle. */
-static __device__ inline vec left_over(const struct residual *s,
-                                       struct place at)
+/* Returns b - A (dv + low) at one particle. */
+static __device__ inline vec left_over(const struct pcg *s, struct place at)
 {
     struct grid g = {s->m, s->n};
     struct wide x = solution_of(s, at.p);

@@ -4,7 +4,7 @@
 #include "gpu/base/real.cuh"
 
 extern "C" {
-#include "gpu/world/kinematics.h"
+#include "gpu/world/sheet.h"
 }
 
 /* Thread k owns vertex k: it reads rest, next and motion of the vertex, and

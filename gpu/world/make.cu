@@ -7,9 +7,7 @@
 extern "C" {
 #include "gpu/broad/broad.h"
 #include "gpu/compare/blas.h"
-#include "gpu/world/backend.h"
-#include "gpu/world/kinematics.h"
-#include "gpu/world/make.h"
+#include "gpu/run/backend.h"
 #include "gpu/world/sheet.h"
 #include "gpu/world/state.h"
 #include "gpu/world/systems.h"
@@ -20,8 +18,11 @@ static void give_state(struct gpu_world *d)
 {
     const struct world *h = d->host;
     struct world *w = &d->world;
-    GPU_TAKE_COPY(d->gpu, w->x0, ARENA_STATE, h->x0, h->nv);
-    GPU_TAKE_COPY(d->gpu, w->v0, ARENA_STATE, h->v0, h->nv);
+    const struct state_list here = state_streams(h), there = state_streams(w);
+    for (int k = 0; k < STATE_STREAMS; k++)
+        if (here.of[k].n)
+            *there.of[k].at = (vec *)gpu_take_copy(
+                d->gpu, ARENA_STATE, *here.of[k].at, here.of[k].n, sizeof(vec));
     GPU_TAKE_COPY(d->gpu, w->x1, ARENA_STATE, h->x0, h->nv);
     GPU_TAKE_COPY(d->gpu, w->v1, ARENA_STATE, h->v0, h->nv);
     GPU_TAKE_COPY(d->gpu, w->w, ARENA_STATE, h->w, h->nv);
@@ -29,12 +30,6 @@ static void give_state(struct gpu_world *d)
     GPU_TAKE_COPY(d->gpu, w->surface, ARENA_STATE, h->surface,
                   h->def.n_cloths + h->def.n_obstacles);
     GPU_TAKE_COPY(d->gpu, w->posed, ARENA_OTHER, h->pose, h->def.n_motions);
-    if (h->plan.history) {
-        GPU_TAKE_COPY(d->gpu, w->past_x, ARENA_STATE, h->past_x, h->nc);
-        GPU_TAKE_COPY(d->gpu, w->past_v, ARENA_STATE, h->past_v, h->nc);
-    }
-    if (h->def.sleep)
-        GPU_TAKE_COPY(d->gpu, w->anchor, ARENA_STATE, NULL, h->nc);
     if (h->plan.history && h->plan.collides) {
         GPU_TAKE_COPY(d->gpu, w->free_x, ARENA_STATE, NULL, h->nc);
         GPU_TAKE_COPY(d->gpu, w->free_v, ARENA_STATE, NULL, h->nc);

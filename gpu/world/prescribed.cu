@@ -5,7 +5,7 @@
 #include "gpu/base/real.cuh"
 
 extern "C" {
-#include "gpu/world/prescribed.h"
+#include "gpu/run/backend.h"
 #include "gpu/world/state.h"
 #include "ref/base/prescribed.h"
 }
@@ -154,8 +154,9 @@ KERNEL group_kernel(int64_t nt, int64_t cloths, int32_t *group)
     group[k] = k < cloths;
 }
 
-void gpu_prescribed_group(struct gpu *g, int64_t nt, int64_t cloths,
-                          int32_t *group)
+int gpu_ending_streams(struct gpu *g, struct audit *s, int64_t nt,
+                       int64_t cloths)
 {
-    LAUNCH(g, nt, group_kernel, nt, cloths, group);
+    LAUNCH(g, nt, group_kernel, nt, cloths, (int32_t *)s->group);
+    return gpu_status(g);
 }

@@ -4,7 +4,6 @@
 extern "C" {
 #include "gpu/cloth/motion.h"
 #include "gpu/cloth/rate.h"
-#include "gpu/world/kinematics.h"
 #include "gpu/world/sheet.h"
 #include "gpu/world/state.h"
 #include "ref/base/packed.h"
@@ -103,6 +102,7 @@ void gpu_sheet_make(struct gpu_world *d, int k)
     gpu_kinematics_make(g, ARENA_CLOTH, &h->pins, d->world.posed, &s->pins);
     GPU_TAKE_COPY(g, s->pins.x, ARENA_CLOTH, h->pins.x, h->pins.n);
     m->cloth = c;
+    m->solver = s;
     int64_t vecs = motion_vecs(m);
     GPU_TAKE_COPY(g, m->chunk, ARENA_SOLVER, NULL, 3 * sum_chunks(c->count));
     if (!dynamics_implicit(m->method)) {

@@ -6,14 +6,17 @@
 
 #include "ref/world/state.h"
 
-struct gpu;
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+struct edited;
 struct joint_part;
 struct linked;
 
 struct gpu_world {
-    struct world
-        world;          /* the world that is stepped; its streams and those of
-                           its stages are in device memory; broad.arena is NULL */
+    struct world world; /* the world that is stepped; its streams and those of
+                           its stages are in device memory */
     struct world *host; /* made by ref/world/world.c and never stepped; its
                            streams are used to read, save and load a state */
     struct gpu *gpu;
@@ -26,5 +29,15 @@ struct gpu_world {
     struct mutual *mutual;
     struct joint_part *part; /* host [n_cloths] the cloths in the joint solve */
 };
+
+/* Does what world_make_edited says, on the device that is current in this
+ * thread. gpu/world/make.cu */
+int gpu_make_edited(const drape_def *def, const struct edited *edited,
+                    struct arena *arena, struct world **world,
+                    drape_error *error);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

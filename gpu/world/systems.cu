@@ -5,6 +5,7 @@ extern "C" {
 #include "gpu/cloth/sheet.h"
 #include "gpu/contact/joint.h"
 #include "gpu/contact/queue.h"
+#include "gpu/run/backend.h"
 #include "gpu/world/state.h"
 #include "gpu/world/systems.h"
 #include "ref/base/sum.h"
@@ -72,7 +73,7 @@ int gpu_systems_streams(struct gpu_world *w)
 
 /* The lists are read until the slice ends, and vertex and next by stage coulomb
  * alone; so those two are in pools of stage contacts, which comes later. */
-int gpu_systems_room(struct world *w, int64_t n)
+int gpu_unknowns_room(struct world *w, int64_t n)
 {
     struct lagrange *a = &w->lagrange;
     struct coulomb *s = &a->law;
@@ -132,21 +133,21 @@ static int checked(const struct world *w, int status)
     return status == DRAPE_OK && bad ? (int)DRAPE_EARG : status;
 }
 
-int gpu_systems_set_up(struct world *w, struct joint *s)
+int gpu_joint_set_up(struct world *w, struct joint *s)
 {
     const struct joint_system all = systems_of(w, s);
-    return gpu_joint_set_up(&all);
+    return gpu_joint_system_set_up(&all);
 }
 
-int gpu_systems_measure(struct world *w, struct joint *s, const vec *r,
-                        real *value)
+int gpu_joint_measure(struct world *w, struct joint *s, const vec *r,
+                      real *value)
 {
     const struct joint_system all = systems_of(w, s);
-    return checked(w, gpu_joint_measure(&all, r, value));
+    return checked(w, gpu_joint_system_measure(&all, r, value));
 }
 
-int gpu_systems_joint(struct world *w, struct joint *s)
+int gpu_joint_solve(struct world *w, struct joint *s)
 {
     const struct joint_system all = systems_of(w, s);
-    return checked(w, gpu_joint(&all));
+    return checked(w, gpu_joint_system_solve(&all));
 }

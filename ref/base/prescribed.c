@@ -3,15 +3,18 @@
  * spec/world/step.md §1, §6, §7 */
 #include "ref/base/prescribed.h"
 
-void prescribed_pin(int64_t n, const int32_t *pinned, const vec *x, vec *to)
+void ref_prescribed_pin(struct gpu *on, int64_t n, const int32_t *pinned,
+                        const vec *x, vec *to)
 {
+    (void)on;
     for (int64_t i = 0; i < n; i++)
         to[pinned[i]] = x[i];
 }
 
-bool prescribed_differs(int64_t n, const int32_t *at, const vec *x0,
-                        const vec *x1)
+bool ref_prescribed_differs(struct gpu *on, int64_t n, const int32_t *at,
+                            const vec *x0, const vec *x1)
 {
+    (void)on;
     for (int64_t i = 0; i < n; i++)
         if (memcmp(&x0[at ? at[i] : i], &x1[i], sizeof *x0) != 0)
             return true;
@@ -24,8 +27,9 @@ static real interpolate(real a, real b, double part)
     return (real)(from + part * ((double)b - from));
 }
 
-void prescribed_blend(const struct blend *s)
+void ref_prescribed_blend(struct gpu *on, const struct blend *s)
 {
+    (void)on;
     EACH_ITEM
     for (int64_t i = 0; i < s->n; i++) {
         int64_t k = s->at ? s->at[i] : i;
@@ -37,16 +41,19 @@ void prescribed_blend(const struct blend *s)
     }
 }
 
-void prescribed_keep(int64_t n, const uint8_t *fixed, const vec *old, vec *a)
+void ref_prescribed_keep(struct gpu *on, int64_t n, const uint8_t *fixed,
+                         const vec *old, vec *a)
 {
+    (void)on;
     EACH_ITEM
     for (int64_t i = 0; i < n; i++)
         if (fixed[i])
             a[i] = old[i];
 }
 
-bool prescribed_sane(int64_t n, const vec *a)
+bool ref_prescribed_sane(struct gpu *on, int64_t n, const vec *a)
 {
+    (void)on;
     int bad = 0;
 #pragma omp parallel for schedule(static) reduction(| : bad)
     for (int64_t i = 0; i < n; i++)
@@ -54,9 +61,10 @@ bool prescribed_sane(int64_t n, const vec *a)
     return !bad;
 }
 
-void prescribed_velocities(int64_t n, const vec *x0, const vec *x1, real dt,
-                           vec *v)
+void ref_prescribed_velocities(struct gpu *on, int64_t n, const vec *x0,
+                               const vec *x1, real dt, vec *v)
 {
+    (void)on;
     EACH_ITEM
     for (int64_t i = 0; i < n; i++) {
         vec d = vec_sub(x1[i], x0[i]);
@@ -64,8 +72,10 @@ void prescribed_velocities(int64_t n, const vec *x0, const vec *x1, real dt,
     }
 }
 
-real prescribed_furthest(int64_t n, const vec *x0, const vec *x1)
+real ref_prescribed_furthest(struct gpu *on, int64_t n, const vec *x0,
+                             const vec *x1)
 {
+    (void)on;
     real most = 0;
 #pragma omp parallel for schedule(static) reduction(max : most)
     for (int64_t i = 0; i < n; i++) {

@@ -12,35 +12,25 @@
 #include "ref/broad/refit.h"
 #include "ref/broad/walk.h"
 
-/* Makes sure that a pool has a capacity of `need` items, with a quarter more in
- * reserve when the pool must grow. Without memory the old pool stays. */
-static int grow_pool(struct broad *b, struct broad_pool *p,
-                     enum arena_part part, int64_t need, size_t size)
+static int grow_pool(struct broad *b, struct pool *p, int64_t need, size_t size)
 {
+    bool front = p == &b->front;
     if (need <= p->cap)
         return DRAPE_OK;
-    int64_t cap = need + need / 4 + 256;
-    void *data = arena_take(b->arena, part, cap, size);
-    if (!data)
-        return DRAPE_ENOMEM;
-    arena_give(b->arena, p->data);
-    p->data = data;
-    p->cap = cap;
-    return DRAPE_OK;
+    return b->run->grow(b->on, p, front ? ARENA_FRONT : ARENA_PAIRS, need, size,
+                        front);
 }
 
-/* Grows the scratch streams of front and walk to `need` node pairs. b->pair,
- * the stream of the pairs themselves, is grown last. */
+/* Grows the scratch streams of front and walk to `need` node pairs. */
 static int grow_scratch(struct broad *b, int64_t need)
 {
-    int status = grow_pool(b, &b->mask, ARENA_PAIRS, need, sizeof(uint16_t));
+    int status = grow_pool(b, &b->mask, need, sizeof(uint16_t));
     if (status == DRAPE_OK)
-        status = grow_pool(b, &b->act, ARENA_PAIRS, need, sizeof(uint8_t));
+        status = grow_pool(b, &b->act, need, sizeof(uint8_t));
     if (status == DRAPE_OK)
-        status = grow_pool(b, &b->sum, ARENA_PAIRS, need / BVTT_BLOCK + 1,
-                           sizeof(int64_t));
+        status = grow_pool(b, &b->sum, need / BVTT_BLOCK + 1, sizeof(int64_t));
     if (status == DRAPE_OK)
-        status = grow_pool(b, &b->pair, ARENA_PAIRS, need, 4 * sizeof(int32_t));
+        status = grow_pool(b, &b->pair, need, 4 * sizeof(int32_t));
     return status;
 }
 
@@ -66,10 +56,11 @@ static int64_t count_still(const struct tree *t)
     return still;
 }
 
-static int make_roots(struct broad *b, const struct tree_scene *s, bool self)
+static int make_roots(struct broad *b, const struct tree_scene *s, bool self,
+                      struct arena *arena)
 {
     int64_t n = 0;
-    int32_t *top = arena_take(b->arena, ARENA_OTHER, s->meshes, sizeof *top);
+    int32_t *top = arena_take(arena, ARENA_OTHER, s->meshes, sizeof *top);
     if (!top)
         return DRAPE_ENOMEM;
     for (int32_t a = 0; a < b->tree.n; a++)
@@ -78,7 +69,7 @@ static int make_roots(struct broad *b, const struct tree_scene *s, bool self)
     for (int32_t k = 0; k < s->meshes; k++)
         for (int32_t l = k; l < s->meshes; l++)
             n += are_compared(&s->mesh[k], &s->mesh[l], self);
-    b->root = arena_take(b->arena, ARENA_FRONT, n, sizeof *b->root);
+    b->root = arena_take(arena, ARENA_FRONT, n, sizeof *b->root);
     if (!b->root)
         return DRAPE_ENOMEM;
     for (int32_t k = 0; k < s->meshes; k++)
@@ -87,30 +78,29 @@ static int make_roots(struct broad *b, const struct tree_scene *s, bool self)
                 b->root[b->roots][0] = top[k];
                 b->root[b->roots++][1] = top[l];
             }
-    arena_give(b->arena, top);
+    arena_give(arena, top);
     return DRAPE_OK;
 }
 
-/* Resets the front to the root pairs and gives front and scratch a capacity of
- * `need` pairs. Without memory the old capacity stays, and the reset is done
- * all the same. */
-static int begin_front(struct broad *b, int64_t need)
+int broad_begin_front(struct broad *b, int64_t need)
 {
-    int status = grow_scratch(b, need + need / 4 + 256);
+    int status = grow_pool(b, &b->front, need, 2 * sizeof(int32_t));
     if (status == DRAPE_OK)
-        status =
-            grow_pool(b, &b->front, ARENA_FRONT, need, 2 * sizeof(int32_t));
-    b->n_front = b->front.data ? b->roots : 0;
-    if (b->n_front)
-        memcpy(b->front.data, b->root, (size_t)b->roots * sizeof *b->root);
-    return status;
+        status = grow_scratch(b, b->front.cap);
+    if (status != DRAPE_OK)
+        return status;
+    b->n_front = b->roots;
+    b->run->copy(b->on, b->front.data, b->root,
+                 (size_t)b->roots * sizeof *b->root);
+    return DRAPE_OK;
 }
 
 int broad_make(struct broad *b, const struct tree_scene *scene, bool self,
                struct arena *arena)
 {
     memset(b, 0, sizeof *b);
-    b->arena = arena;
+    b->run = &backend_ref;
+    b->on = backend_of(arena);
     b->nv = scene->vertices;
     b->stop = 2;
     int status = tree_build(scene, arena, &b->tree, &b->map);
@@ -127,11 +117,11 @@ int broad_make(struct broad *b, const struct tree_scene *scene, bool self,
         arena_take(arena, ARENA_TREE, b->n_inner, sizeof *b->tangents);
     if (arena->failed)
         return DRAPE_ENOMEM;
-    status = make_roots(b, scene, self);
+    status = make_roots(b, scene, self, arena);
     if (status == DRAPE_OK)
         status = apart_make(&b->apart, scene, &b->tree, &b->map, b->roots,
                             (const int32_t(*)[2])b->root, arena);
-    return status == DRAPE_OK ? begin_front(b, b->roots) : status;
+    return status == DRAPE_OK ? broad_begin_front(b, b->roots) : status;
 }
 
 void broad_count_empty(struct broad *b)
@@ -153,7 +143,7 @@ int broad_meshes_apart(struct broad *b, const vec *x0, const vec *x1, real r,
     *apart = false;
     if (!b->apart.able)
         return DRAPE_OK;
-    int status = ref_extent(&s);
+    int status = b->run->extent(b->on, &s);
     trace_stage(b->trace, "extent", s.bounds,
                 (size_t)s.n_grid * sizeof *s.bounds);
     *apart = status == DRAPE_OK && apart_all(&b->apart, r);
@@ -162,61 +152,60 @@ int broad_meshes_apart(struct broad *b, const vec *x0, const vec *x1, real r,
     return status;
 }
 
-int broad_refit(struct broad *b, const vec *x0, const vec *x1, real r,
-                const uint8_t *moved)
+static struct refit refit_of(const struct broad *b)
 {
-    b->later = moved && b->started && b->n_front > 0;
-    b->moved = moved ? moved : b->awake;
-    b->dozes = !moved && b->awake;
-    struct refit fit = {.tree = b->tree,
-                        .nv = b->nv,
-                        .x0 = x0,
-                        .x1 = x1,
-                        .n_moved = b->later || b->dozes ? b->nv : 0,
-                        .moved = b->moved,
-                        .all = !b->started || (b->restless && !b->later),
-                        .every = b->dozes && !(b->made && b->started),
-                        .box = b->box,
-                        .stir = b->stir};
-    b->x0 = x0;
-    b->x1 = x1;
-    b->r = r;
-    int status = ref_refit(&fit);
+    return (struct refit){.tree = b->tree,
+                          .nv = b->nv,
+                          .x0 = b->x0,
+                          .x1 = b->x1,
+                          .n_moved = b->later || b->dozes ? b->nv : 0,
+                          .moved = b->moved,
+                          .all = !b->started || (b->restless && !b->later),
+                          .every = b->dozes && !(b->made && b->started),
+                          .box = b->box,
+                          .stir = b->stir};
+}
+
+/* Counts a stage refit that has ended with this status. */
+static void count_refit(struct broad *b, const struct refit *s, int status)
+{
+    bool good = status == DRAPE_OK;
+    int64_t made = good ? s->made - (b->started ? 0 : b->still) : 0;
     b->queries++;
-    int64_t made =
-        status == DRAPE_OK && !b->started ? fit.made - b->still : fit.made;
     b->refitted += made;
     b->kept += b->tree.n - made;
-    trace_stage(b->trace, "refit", b->box, (size_t)b->tree.n * sizeof *b->box);
-    b->started = b->started || status == DRAPE_OK;
-    b->made = b->made || (b->dozes && status == DRAPE_OK);
-    if (status != DRAPE_OK || !b->cones)
-        return status;
-    if (fit.every) /* what does not stir is compared with nothing of itself */
-        memset(b->clear, CLEAR_ALL, (size_t)b->tree.n_cloth);
-    struct cones cones = {.tree = b->tree,
-                          .map = b->map,
-                          .nv = b->nv,
-                          .x0 = x0,
-                          .x1 = x1,
-                          .r = r,
-                          .stir = b->stir,
-                          .n_inner = b->n_inner,
-                          .clear = b->clear,
-                          .tangents = b->tangents};
-    status = ref_cones(&cones);
-    trace_stage(b->trace, "cones", b->clear, (size_t)b->tree.n_cloth);
+    b->started = b->started || good;
+    b->made = b->made || (b->dozes && good);
+}
+
+/* every: the boxes of all nodes were made. */
+static int run_cones(struct broad *b, bool every)
+{
+    struct cones s = {.tree = b->tree,
+                      .map = b->map,
+                      .nv = b->nv,
+                      .x0 = b->x0,
+                      .x1 = b->x1,
+                      .r = b->r,
+                      .stir = b->stir,
+                      .n_inner = b->n_inner,
+                      .clear = b->clear,
+                      .tangents = b->tangents};
+    if (every) /* what does not stir is compared with nothing of itself */
+        b->run->broad_all_clear(b->on, b->tree.n_cloth, b->clear);
+    int status = b->run->cones(b->on, &s);
+    b->run->trace(b->on, b->trace, "cones", b->clear, (size_t)b->tree.n_cloth);
     return status;
 }
 
-int broad_update_front(struct broad *b)
+/* Moves the front to where the refitted boxes put it. */
+static int update_front(struct broad *b)
 {
     struct front s = {
         .stop = b->stop,
         .in = {.tree = b->tree, .box = b->box, .clear = b->clear, .r = b->r}};
-    if (!b->n_front && begin_front(b, b->roots) != DRAPE_OK)
-        return DRAPE_ENOMEM;
-    for (;;) {
+    int status = b->n_front ? DRAPE_OK : broad_begin_front(b, b->roots);
+    while (status == DRAPE_OK) {
         s.cap = b->front.cap;
         s.n = b->n_front;
         s.pair = b->front.data;
@@ -224,18 +213,17 @@ int broad_update_front(struct broad *b)
         s.act = b->act.data;
         s.act_other = b->mask.data;
         s.sum = b->sum.data;
-        int status = ref_front(&s);
+        status = b->run->front(b->on, &s);
         b->n_front = s.n;
         b->front_visited = s.visited;
         if (status != DRAPE_EFULL) {
-            trace_stage(b->trace, "front", b->front.data,
-                        (size_t)s.n * 2 * sizeof(int32_t));
-            return status;
+            b->run->trace(b->on, b->trace, "front", b->front.data,
+                          (size_t)s.n * 2 * sizeof(int32_t));
+            break;
         }
-        status = begin_front(b, s.need);
-        if (status != DRAPE_OK)
-            return status;
+        status = broad_begin_front(b, s.need);
     }
+    return status;
 }
 
 /* Runs stage walk, growing its streams until the triangle pairs below the front
@@ -258,28 +246,27 @@ static int run_walk(struct broad *b)
         s.sum = b->sum.data;
         s.cap_tri = b->both.cap;
         s.tri = b->both.data;
-        int status = ref_walk(&s);
+        int status = b->run->walk(b->on, &s);
         b->n_both = s.n_tri;
         b->visited = s.visited;
         if (status != DRAPE_EFULL) {
             b->walked += s.visited;
             b->cleared += s.cleared;
-            trace_stage(b->trace, "walk", s.tri,
-                        (size_t)s.n_tri * 2 * sizeof(int32_t));
+            b->run->trace(b->on, b->trace, "walk", s.tri,
+                          (size_t)s.n_tri * 2 * sizeof(int32_t));
             return status;
         }
         status = grow_scratch(b, s.need);
         if (status == DRAPE_OK)
-            status = grow_pool(b, &b->both, ARENA_PAIRS, s.need_tri,
-                               2 * sizeof(int32_t));
+            status = grow_pool(b, &b->both, s.need_tri, 2 * sizeof(int32_t));
         if (status != DRAPE_OK)
             return status;
     }
 }
 
-int broad_candidates(struct broad *b)
+/* Runs stage features, growing its streams until the candidates fit. */
+static int find_candidates(struct broad *b)
 {
-    int status = run_walk(b);
     struct features s = {.nv = b->nv,
                          .nt = b->tree.n_tri,
                          .n = b->n_both,
@@ -291,43 +278,100 @@ int broad_candidates(struct broad *b)
                          .tri = b->tree.tri,
                          .own = b->tree.own,
                          .both = b->both.data};
-    b->n = b->n_vf = 0;
-    if (status != DRAPE_OK || !b->n_both)
-        return status;
-    status = grow_pool(b, &b->mask, ARENA_PAIRS, s.n, sizeof *s.mask);
+    if (!b->n_both)
+        return DRAPE_OK;
+    int status = grow_pool(b, &b->mask, s.n, sizeof *s.mask);
     if (status == DRAPE_OK)
-        status = grow_pool(b, &b->sum, ARENA_PAIRS, 2 * bvtt_blocks(s.n),
-                           sizeof *s.sum);
+        status = grow_pool(b, &b->sum, 2 * bvtt_blocks(s.n), sizeof *s.sum);
     while (status == DRAPE_OK) {
         s.mask = b->mask.data;
         s.sum = b->sum.data;
         s.cap = b->pair.cap < b->kind.cap ? b->pair.cap : b->kind.cap;
         s.pair = b->pair.data;
         s.kind = b->kind.data;
-        status = ref_features(&s);
+        status = b->run->features(b->on, &s);
         if (status != DRAPE_EFULL)
             break;
-        status =
-            grow_pool(b, &b->pair, ARENA_PAIRS, s.need, 4 * sizeof(int32_t));
+        status = grow_pool(b, &b->pair, s.need, 4 * sizeof(int32_t));
         if (status == DRAPE_OK)
-            status = grow_pool(b, &b->kind, ARENA_PAIRS, s.need, 1);
+            status = grow_pool(b, &b->kind, s.need, 1);
     }
-    trace_stage(b->trace, "features", s.pair,
-                (size_t)s.n_pair * 4 * sizeof(int32_t));
+    b->run->trace(b->on, b->trace, "features", s.pair,
+                  (size_t)s.n_pair * 4 * sizeof(int32_t));
     b->n = s.n_pair;
     b->n_vf = s.n_vf;
     return status;
 }
 
+/* After a lack of memory some pools have grown and others not. This gives back
+ * the scratch and forgets the front, so that the next query begins from the
+ * roots. */
+static void drop_scratch(struct broad *b)
+{
+    struct pool *pool[] = {&b->pair, &b->mask, &b->act, &b->sum};
+    for (int k = 0; k < 4; k++) {
+        b->run->give(b->on, pool[k]->data);
+        *pool[k] = (struct pool){0};
+    }
+    b->n_front = 0;
+}
+
 int broad_query(struct broad *b, const vec *x0, const vec *x1, real r,
                 const uint8_t *moved)
 {
-    int status = broad_refit(b, x0, x1, r, moved);
+    b->x0 = x0;
+    b->x1 = x1;
+    b->r = r;
+    b->moved = moved ? moved : b->awake;
+    b->later = moved && b->started && b->n_front > 0;
+    b->dozes = !moved && b->awake;
+    b->n = b->n_vf = 0;
+    /* A device is asked about refit at once in a first query, whose boxes do
+     * not exist yet, and in a traced run, whose trace must end at bad
+     * positions. */
+    bool now = !b->started || b->trace;
+    int64_t walked = b->walked, cleared = b->cleared;
+    struct refit fit = refit_of(b);
+    int status = b->run->refit(b->on, &fit);
+    b->run->trace(b->on, b->trace, "refit", b->box,
+                  (size_t)b->tree.n * sizeof *b->box);
+    if (status == DRAPE_OK && now)
+        status = b->run->broad_refitted(b->on, &fit, true);
+    if (status != DRAPE_OK || now)
+        count_refit(b, &fit, status);
+    if (status == DRAPE_OK && b->cones)
+        status = run_cones(b, fit.every);
     if (status == DRAPE_OK && !b->later)
-        status = broad_update_front(b);
+        status = update_front(b);
     if (status == DRAPE_OK)
-        status = broad_candidates(b);
-    if (status == DRAPE_EDATA && !b->later)
-        b->n_front = 0; /* a device may have moved it */
+        status = run_walk(b);
+    if (status == DRAPE_OK && !now) {
+        status = b->run->broad_refitted(b->on, &fit, false);
+        count_refit(b, &fit, status);
+    }
+    if (status == DRAPE_EDATA) { /* walked among boxes of another query */
+        b->walked = walked;
+        b->cleared = cleared;
+        b->n_front = b->later ? b->n_front : 0;
+    }
+    if (status == DRAPE_OK)
+        status = find_candidates(b);
+    if (status == DRAPE_ENOMEM)
+        drop_scratch(b);
     return status;
+}
+
+/* The reference knows how refit ended when the stage returns. */
+int ref_broad_refitted(struct gpu *on, struct refit *s, bool now)
+{
+    (void)on;
+    (void)s;
+    (void)now;
+    return DRAPE_OK;
+}
+
+void ref_broad_all_clear(struct gpu *on, int64_t n, uint8_t *clear)
+{
+    (void)on;
+    memset(clear, CLEAR_ALL, (size_t)n);
 }

@@ -4,23 +4,18 @@
 #ifndef REF_BROAD_H
 #define REF_BROAD_H
 
-#include "ref/base/trace.h"
+#include "ref/base/backend.h"
 #include "ref/broad/apart.h"
 #include "ref/broad/tree.h"
 
 struct box;
 struct tangents;
 
-/* A stream with a capacity. Growing the pool loses its contents. */
-struct broad_pool {
-    void *data;
-    int64_t cap; /* items */
-};
-
 /* broad_make fills this struct. Other files only read its members. */
 struct broad {
+    const struct backend *run;
+    struct gpu *on;      /* the first argument of the backend's functions */
     struct trace *trace; /* NULL: none */
-    struct arena *arena; /* owned by the caller; holds all memory */
     struct tree tree;
     struct tree_map map;
     int64_t nv;
@@ -43,9 +38,9 @@ struct broad {
     bool made;            /* since `awake` was set: boxes of the others */
     int64_t n_inner;      /* inner nodes of cloth */
     struct tangents *tangents;
-    struct apart apart; /* evaluated on the host by both backends */
+    struct apart apart; /* on the host */
 
-    /* Arguments of the last broad_refit. */
+    /* Arguments of the last query. */
     const vec *x0, *x1;
     const uint8_t *moved;
     real r;
@@ -53,10 +48,10 @@ struct broad {
     bool dozes; /* it looked at what `awake` names */
 
     int64_t n_front;
-    struct broad_pool front;          /* lives from query to query */
-    struct broad_pool mask, act, sum; /* scratch */
-    struct broad_pool both, kind;     /* results */
-    struct broad_pool pair;           /* scratch: two streams of node pairs;
+    struct pool front;          /* lives from query to query */
+    struct pool mask, act, sum; /* scratch */
+    struct pool both, kind;     /* results */
+    struct pool pair;           /* scratch: two streams of node pairs;
                                          then the candidates */
 
     int64_t n_both;                 /* triangle pairs */
@@ -75,7 +70,10 @@ struct broad {
  * scene->tri must live as long as b, scene->x is not kept. With `self`, cloths
  * are tested against themselves and each other. A mesh of another class is
  * tested against itself where its own `self` is set, and never against another
- * mesh that is not cloth. Returns DRAPE_OK, DRAPE_ENOMEM or DRAPE_EARG. */
+ * mesh that is not cloth. The arena is the caller's and holds all memory.
+ * Returns DRAPE_OK, DRAPE_ENOMEM or DRAPE_EARG. gpu_broad_make makes a device's
+ * of it.
+ */
 int broad_make(struct broad *b, const struct tree_scene *scene, bool self,
                struct arena *arena);
 
@@ -90,27 +88,19 @@ int broad_meshes_apart(struct broad *b, const vec *x0, const vec *x1, real r,
  * to none. */
 void broad_count_empty(struct broad *b);
 
-/* Begins a query for features that come within r of each other on the way from
- * x0 to x1 [nv]; x1 = x0 queries one time. Refits boxes and cones. With `moved`
- * [nv], only pairs with a vertex whose flag is set become candidates, and x0
- * and x1 of every other vertex must be as in the query before; NULL means that
- * all vertices moved. x0, x1 and moved must stay valid until the candidates are
- * made. */
-int broad_refit(struct broad *b, const vec *x0, const vec *x1, real r,
-                const uint8_t *moved);
-
-/* Moves the front to where the refitted boxes put it. */
-int broad_update_front(struct broad *b);
-
-/* Walks from the front to the candidates: n and n_vf, broad_pairs and
- * broad_kinds. They are valid until the next call. */
-int broad_candidates(struct broad *b);
-
-/* Runs broad_refit, broad_update_front and broad_candidates. Where `moved` is
- * given after a first full query, the front is not moved: a front anywhere
- * gives the same candidates (spec/broad/walk.md §3). */
+/* Finds the features that come within r of each other on the way from x0 to
+ * x1 [nv]; x1 = x0 queries one time. With `moved` [nv], only pairs with a
+ * vertex whose flag is set become candidates, and x0 and x1 of every other
+ * vertex must be as in the query before; NULL means that all vertices moved.
+ * The candidates are n and n_vf, broad_pairs and broad_kinds; they are valid
+ * until the next call. Where `moved` is given after a first full query, the
+ * front is not moved: a front anywhere gives the same candidates
+ * (spec/broad/walk.md §3). */
 int broad_query(struct broad *b, const vec *x0, const vec *x1, real r,
                 const uint8_t *moved);
+
+/* Resets the front to the root pairs, with a capacity of `need` pairs. */
+int broad_begin_front(struct broad *b, int64_t need);
 
 static inline const int32_t (*broad_pairs(const struct broad *b))[4]
 {

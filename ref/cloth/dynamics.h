@@ -39,7 +39,7 @@ struct dynamics {
      * DRAPE_UNCONVERGED into outcome. DRAPE_OK or negative. NULL for
      * explicit methods. */
     int (*solve)(struct dynamics *s);
-    void *solver; /* solve's own */
+    void *solver; /* solve's own; a device's: the struct sheet */
 
     vec *work;  /* scratch: [dynamics_vecs()·count] */
     vec *kept;  /* scratch: [2·count] of Newton's method; NULL: one system is

@@ -27,51 +27,19 @@ static void lay_out(struct dynamics *s)
     }
 }
 
-/* STAGE(name): the stage as a function of the table. */
-#define STAGE(name)                                                            \
-    static int name(void *on, struct name *s)                                  \
-    {                                                                          \
-        (void)on;                                                              \
-        return ref_##name(s);                                                  \
-    }
-STAGE(wind)
-STAGE(springs)
-STAGE(blocks)
-STAGE(predict)
-STAGE(rhs)
-STAGE(update)
-STAGE(imbalance)
-STAGE(dot)
-
-static int solve_system(void *on)
-{
-    struct dynamics *s = on;
-    return s->solve(s);
-}
-
-static void copy_stream(void *on, vec *to, const vec *from, size_t bytes)
+int ref_motion_blocks(struct gpu *on, const struct dynamics *s,
+                      struct blocks *b)
 {
     (void)on;
-    memcpy(to, from, bytes);
+    (void)s;
+    return ref_blocks(b);
 }
 
-static void trace_output(void *on, const char *stage, const void *out,
-                         size_t bytes)
+int ref_motion_solve(struct gpu *on, struct dynamics *s)
 {
-    trace_stage(((struct dynamics *)on)->trace, stage, out, bytes);
+    (void)on;
+    return s->solve(s);
 }
-
-static const struct newton_stages stages = {.wind = wind,
-                                            .springs = springs,
-                                            .blocks = blocks,
-                                            .predict = predict,
-                                            .rhs = rhs,
-                                            .update = update,
-                                            .imbalance = imbalance,
-                                            .dot = dot,
-                                            .solve = solve_system,
-                                            .copy = copy_stream,
-                                            .trace = trace_output};
 
 void motion_energy(const struct dynamics *s, const vec *x, const vec *v,
                    double value[3])
@@ -140,26 +108,26 @@ static int finish_motion(struct dynamics *s, int status)
     return DRAPE_OK;
 }
 
-int ref_motion(struct dynamics *s)
+int motion_run(struct dynamics *s)
 {
     begin_motion(s);
     return finish_motion(s, dynamics_implicit(s->method)
-                                ? newton_move(s, &stages, s)
+                                ? newton_move(s, &backend_ref, NULL)
                                 : explicit_steps(s));
 }
 
-int ref_motion_part(struct dynamics *s, enum motion_part part)
+int motion_run_part(struct dynamics *s, enum motion_part part)
 {
     switch (part) {
     case MOTION_OPEN:
         begin_motion(s);
-        return newton_open(s, &stages, s);
+        return newton_open(s, &backend_ref, NULL);
     case MOTION_PLACE:
-        return newton_place(s, &stages, s);
+        return newton_place(s, &backend_ref, NULL);
     case MOTION_BALANCE:
-        return newton_balance(s, &stages, s);
+        return newton_balance(s, &backend_ref, NULL);
     case MOTION_LINEARISE:
-        return newton_linearise(s, &stages, s);
+        return newton_linearise(s, &backend_ref, NULL);
     case MOTION_END:
         return finish_motion(s, DRAPE_OK);
     }

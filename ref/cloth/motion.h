@@ -8,7 +8,7 @@
 
 /* DRAPE_OK; DRAPE_ELIMIT if max_substeps are not stable; or what solve
  * returned. An outcome with DRAPE_DIVERGED leaves x1 = x and v1 = v. */
-int ref_motion(struct dynamics *s);
+int motion_run(struct dynamics *s);
 
 /* The parts of an implicit motion in which contacts take part and whose system
  * the caller solves (newton.h). MOTION_END computes the energies and undoes a
@@ -20,7 +20,7 @@ enum motion_part {
     MOTION_LINEARISE,
     MOTION_END
 };
-int ref_motion_part(struct dynamics *s, enum motion_part part);
+int motion_run_part(struct dynamics *s, enum motion_part part);
 
 /* Kinetic, elastic and gravitational energy of a state, J; uses chunk. */
 void motion_energy(const struct dynamics *s, const vec *x, const vec *v,

@@ -13,8 +13,8 @@ static const real LONGEST = R(0.05); /* s, in shorter steps springs rotate */
 /* The motion under way. */
 struct motion {
     struct dynamics *s;
-    const struct newton_stages *run;
-    void *on;
+    const struct backend *run;
+    struct gpu *on;
     int64_t past; /* count, or 0: the step is of backward Euler */
     real tau;
     const vec *from; /* [count] m/s, the velocity that dv is added to */
@@ -47,7 +47,7 @@ static void predict_motion(struct motion *a)
                         .back = a->past ? s->back : NULL,
                         .q = a->past ? s->q : s->star};
     note_status(a, a->run->predict(a->on, &p));
-    a->run->trace(a->on, "predict", p.star, bytes_of(a));
+    a->run->trace(a->on, a->s->trace, "predict", p.star, bytes_of(a));
 }
 
 /* Adds the force of the wind on the predicted motion, the same in each
@@ -60,7 +60,7 @@ static void add_wind(struct motion *a)
         return;
     force_wind(a->s, a->s->x, a->s->star, a->tau, &w);
     note_status(a, a->run->wind(a->on, &w));
-    a->run->trace(a->on, "wind", w.force, bytes_of(a));
+    a->run->trace(a->on, a->s->trace, "wind", w.force, bytes_of(a));
 }
 
 static void add_springs(struct motion *a, const vec *x, const vec *damping)
@@ -74,7 +74,7 @@ static void add_springs(struct motion *a, const vec *x, const vec *damping)
         f.span = (real)a->s->dt;
     }
     note_status(a, a->run->springs(a->on, &f));
-    a->run->trace(a->on, "springs", f.force, bytes_of(a));
+    a->run->trace(a->on, a->s->trace, "springs", f.force, bytes_of(a));
 }
 
 /* The motion that the step predicts: q of implicit.md §1. */
@@ -112,8 +112,8 @@ static void make_blocks(struct motion *a)
                        .block = s->block,
                        .n_packed = s->packed ? SPRINGS * c->count : 0,
                        .packed = s->packed};
-    note_status(a, a->run->blocks(a->on, &b));
-    a->run->trace(a->on, "blocks", b.block,
+    note_status(a, a->run->motion_blocks(a->on, s, &b));
+    a->run->trace(a->on, a->s->trace, "blocks", b.block,
                   (size_t)(SPRINGS * c->count) * sizeof *b.block);
 }
 
@@ -133,15 +133,15 @@ static void make_rhs(struct motion *a)
                     .tau = a->tau,
                     .b = s->b};
     note_status(a, a->run->rhs(a->on, &r));
-    a->run->trace(a->on, "rhs", r.b, bytes_of(a));
+    a->run->trace(a->on, a->s->trace, "rhs", r.b, bytes_of(a));
 }
 
 static void solve_system(struct motion *a, real tolerance)
 {
     a->s->asked = tolerance;
     a->s->solves++;
-    note_status(a, a->run->solve(a->on));
-    a->run->trace(a->on, "pcg", a->s->dv, bytes_of(a));
+    note_status(a, a->run->motion_solve(a->on, a->s));
+    a->run->trace(a->on, a->s->trace, "pcg", a->s->dv, bytes_of(a));
 }
 
 static void update_motion(struct motion *a, real part)
@@ -161,7 +161,7 @@ static void update_motion(struct motion *a, real part)
                        .x1 = s->x1,
                        .v1 = s->v1};
     note_status(a, a->run->update(a->on, &u));
-    a->run->trace(a->on, "update", u.v1, bytes_of(a));
+    a->run->trace(a->on, a->s->trace, "update", u.v1, bytes_of(a));
 }
 
 /* b: what the motion x1, v1 leaves undone. */
@@ -178,7 +178,7 @@ static void find_imbalance(struct motion *a)
                           .b = s->b};
     add_springs(a, s->x1, s->v1);
     note_status(a, a->run->imbalance(a->on, &r));
-    a->run->trace(a->on, "imbalance", r.b, bytes_of(a));
+    a->run->trace(a->on, a->s->trace, "imbalance", r.b, bytes_of(a));
 }
 
 static real dot_streams(struct motion *a, const vec *left, const vec *right)
@@ -237,8 +237,8 @@ static void iterate_newton(struct motion *a, real tolerance)
     s->residual = first > 0 ? (double)(last / first) : 0;
 }
 
-static struct motion motion_of(struct dynamics *s,
-                               const struct newton_stages *run, void *on)
+static struct motion motion_of(struct dynamics *s, const struct backend *run,
+                               struct gpu *on)
 {
     int64_t past =
         dynamics_second(s->method) && s->has_past ? s->cloth->count : 0;
@@ -250,7 +250,7 @@ static struct motion motion_of(struct dynamics *s,
                            .from = s->star};
 }
 
-int newton_open(struct dynamics *s, const struct newton_stages *run, void *on)
+int newton_open(struct dynamics *s, const struct backend *run, struct gpu *on)
 {
     struct motion a = motion_of(s, run, on);
     s->substeps = 1;
@@ -264,23 +264,23 @@ int newton_open(struct dynamics *s, const struct newton_stages *run, void *on)
     return a.status;
 }
 
-int newton_place(struct dynamics *s, const struct newton_stages *run, void *on)
+int newton_place(struct dynamics *s, const struct backend *run, struct gpu *on)
 {
     struct motion a = motion_of(s, run, on);
     update_motion(&a, 0);
     return a.status;
 }
 
-int newton_balance(struct dynamics *s, const struct newton_stages *run,
-                   void *on)
+int newton_balance(struct dynamics *s, const struct backend *run,
+                   struct gpu *on)
 {
     struct motion a = motion_of(s, run, on);
     find_imbalance(&a);
     return a.status;
 }
 
-int newton_linearise(struct dynamics *s, const struct newton_stages *run,
-                     void *on)
+int newton_linearise(struct dynamics *s, const struct backend *run,
+                     struct gpu *on)
 {
     struct motion a = motion_of(s, run, on);
     s->at = s->x1;
@@ -288,7 +288,7 @@ int newton_linearise(struct dynamics *s, const struct newton_stages *run,
     return a.status;
 }
 
-int newton_move(struct dynamics *s, const struct newton_stages *run, void *on)
+int newton_move(struct dynamics *s, const struct backend *run, struct gpu *on)
 {
     struct motion a = motion_of(s, run, on);
     a.status = newton_open(s, run, on);

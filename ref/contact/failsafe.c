@@ -63,7 +63,7 @@ int failsafe_zones(struct response *s)
         return status;
     s->outcome |= DRAPE_ZONES;
     s->zone_vertices = z.vertices;
-    s->run->advance(s->on, s, z.vertices, z.vertex, NULL, true);
+    s->run->rounds_advance(s->on, s, z.vertices, z.vertex, NULL, true);
     return DRAPE_OK;
 }
 

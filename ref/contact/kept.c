@@ -82,7 +82,8 @@ static int widen_pool(struct world *w, struct pool *p, int64_t used, int64_t n)
     struct pool wide = {0};
     if (n <= p->cap)
         return DRAPE_OK;
-    int status = w->run->grow(w->on, &wide, n, sizeof(struct kept), true);
+    int status = w->run->grow(w->on, &wide, ARENA_RESPONSE, n,
+                              sizeof(struct kept), true);
     if (status != DRAPE_OK)
         return status;
     w->run->copy(w->on, wide.data, p->data, (size_t)used * sizeof(struct kept));

@@ -12,9 +12,10 @@
 #include "ref/sleep/sleep.h"
 #include "ref/world/state.h"
 
-/* §3: most linear systems of a slice; §4: of Newton's part after them, which
- * starts far from balance; most trials of a line search. */
-enum { SOLVES = 12, NEWTONS = 40, TRIALS = 12 };
+/* §3.4: linear systems after which an end need not be as near to balance; most
+ * of a slice, and of Newton's part after them; most trials of a line search. */
+enum { SOLVES = 12, MOST = 40, TRIALS = 12 };
+static const real LATE = 10;        /* §3.4: times `tolerance`, from then on */
 static const real FORCING = R(0.1); /* §3.2: tolerance of a linear system */
 static const real NESTED = R(0.3);  /* §3.3: the inner residual is this part of
                                        the outer one where multipliers are
@@ -39,6 +40,7 @@ struct loop {
     real carried; /* §4 */
     real scale;   /* §3.4 */
     real outer;   /* the last one */
+    real met;     /* §4: what the pairs met last push */
     int from;     /* linear systems when this part of the slice began */
     int most;     /* linear systems */
     bool fresh;   /* the law was evaluated since M was made */
@@ -258,14 +260,14 @@ static void move_iterate(struct loop *s, real part)
                       .v = w->v1,
                       .x1 = w->x1,
                       .touched = w->response.touched};
-    w->run->shift(w->on, &m);
+    w->run->unknowns_shift(w->on, &m);
     s->moved = true;
     s->clean = false;
     if (s->a->newton) {
         note_status(s, move_cloths(w, MOTION_BALANCE));
         take_rest(w);
     } else {
-        w->run->lessen(w->on, w->nc, part, j->q, s->a->rest);
+        w->run->unknowns_lessen(w->on, w->nc, part, j->q, s->a->rest);
     }
     if (loop_continues(s))
         evaluate_contacts(s, false, false);
@@ -311,7 +313,7 @@ static void solve_step(struct loop *s)
     j->max_iterations = s->w->def.max_iterations;
     if (!loop_continues(s))
         return;
-    note_status(s, s->w->run->joint(s->w, j));
+    note_status(s, s->w->run->joint_solve(s->w, j));
     s->w->run->trace(s->w->on, s->w->tracing, "joint", j->dv,
                      (size_t)s->w->nc * sizeof *j->dv);
     a->solves++;
@@ -352,7 +354,7 @@ static void carry_multipliers(struct loop *s)
 {
     struct world *w = s->w;
     struct carry c = carry_of(s);
-    note_status(s, w->run->slice_room(w, c.n));
+    note_status(s, w->run->unknowns_room(w, c.n));
     if (s->status == DRAPE_OK)
         note_status(s, w->run->carry(w->on, &c));
     if (s->status != DRAPE_OK)
@@ -367,8 +369,9 @@ static real find_reach(struct loop *s)
 {
     struct world *w = s->w;
     real spare = (w->response.range - 1) * w->thinnest;
-    real most =
-        loop_continues(s) ? w->run->furthest(w->on, w->nv, w->x0, w->x1) : 0;
+    real most = loop_continues(s)
+                    ? w->run->prescribed_furthest(w->on, w->nv, w->x0, w->x1)
+                    : 0;
     return 4 * most > spare * spare ? w->reach : 0;
 }
 
@@ -399,6 +402,22 @@ static void take_contacts(struct loop *s)
     make_preconditioner(s);
 }
 
+/* Takes in the pairs that were met. §4: a loose end asks what they push: by how
+ * much they change `outer`. */
+static void take_met(struct loop *s, bool loose)
+{
+    struct world *w = s->w;
+    const vec *outer = s->a->law.outer;
+    vec *change = s->a->joint.q;
+    if (loose)
+        w->run->copy(w->on, change, outer, (size_t)w->nc * sizeof *change);
+    take_contacts(s);
+    if (loose && loop_continues(s)) {
+        w->run->unknowns_lessen(w->on, w->nc, 1, outer, change);
+        s->met = measure_residual(s, change);
+    }
+}
+
 /* §4: whether linear springs have left much undone. From here on they are
  * linearised at each iterate. */
 static bool needs_linearisation(struct loop *s)
@@ -418,7 +437,7 @@ static bool needs_linearisation(struct loop *s)
         return false;
     s->a->newton = true;
     s->from = s->a->solves;
-    s->most = s->from + NEWTONS;
+    s->most = s->from + MOST;
     return loop_continues(s);
 }
 
@@ -429,14 +448,15 @@ static bool iterate_loop(struct loop *s)
     bool loose = a->newton && s->w->plan.newton <= 1;
     s->outer = measure_residual(s, a->law.outer);
     weigh_residuals(s);
-    real enough = (real)s->w->def.tolerance * s->scale;
+    real tight = (real)s->w->def.tolerance * s->scale;
+    real enough = a->newton || a->solves < SOLVES ? tight : LATE * tight;
     if (loose)
-        enough = real_max(enough, ANEW * s->carried);
+        enough = real_max(tight, ANEW * s->carried);
     bool last = a->solves >= s->most;
-    bool known = !loose || s->moved || s->clean;
-    bool done = known && s->outer <= enough;
+    bool solved = !loose || s->moved || s->met <= tight;
+    bool done = solved && s->outer <= enough;
     if (s->moved && (done || last || a->solves == s->from + 1) && find_met(s)) {
-        take_contacts(s);
+        take_met(s, loose);
         if (!last)
             return loop_continues(s);
     }
@@ -456,7 +476,7 @@ static struct loop loop_of(struct world *w)
     return (struct loop){.w = w,
                          .a = &w->lagrange,
                          .g_dt = real_max(size, EARTH) * (real)w->dt,
-                         .most = w->plan.newton > 1 ? NEWTONS : SOLVES,
+                         .most = MOST,
                          .moved = true};
 }
 
@@ -510,7 +530,7 @@ static void take_jump(struct loop *s, const struct retain *r)
                       .start = a->law.start,
                       .item = a->law.item,
                       .push = a->jump};
-    w->run->jump(w->on, &m);
+    w->run->unknowns_jump(w->on, &m);
     if (!(dot_streams(s, a->jump, a->jump, NULL) > 0) || !loop_continues(s))
         return;
     j->b = a->jump;
@@ -522,13 +542,13 @@ static void take_jump(struct loop *s, const struct retain *r)
     clear_asleep(s);
     note_status(s, w->run->joint_set_up(w, j));
     if (loop_continues(s))
-        note_status(s, w->run->joint(w, j));
+        note_status(s, w->run->joint_solve(w, j));
     if (!loop_continues(s))
         return;
     a->iterations += j->iterations;
     w->run->copy(w->on, a->jump, j->dv, (size_t)w->nc * sizeof *a->jump);
     if (state_has_past(w))
-        w->run->lessen(w->on, w->nc, R(1.0) / 3, a->jump, w->v1);
+        w->run->unknowns_lessen(w->on, w->nc, R(1.0) / 3, a->jump, w->v1);
 }
 
 /* §5: what the next slice carries on, and the velocities after impacts. */
@@ -539,7 +559,8 @@ static void finish_loop(struct loop *s)
     struct pool *kept = &a->kept[1];
     int64_t n = w->response.active;
     if (n > kept->cap)
-        note_status(s, w->run->grow(w->on, kept, n, sizeof(struct kept), true));
+        note_status(s, w->run->grow(w->on, kept, ARENA_RESPONSE, n,
+                                    sizeof(struct kept), true));
     struct retain r = {.nv = w->nv,
                        .n = n,
                        .w = w->w,

@@ -17,7 +17,7 @@ int response_start(struct response *s)
         return DRAPE_EARG;
     response_reset(s);
     s->run->clear(s->on, s->rolled, (size_t)s->nv);
-    s->run->start(s->on, s);
+    s->run->rounds_start(s->on, s);
     return s->run->status(s->on);
 }
 
@@ -62,14 +62,15 @@ static int solve_contacts(struct response *s, int64_t n, int warm)
     s->run->trace(s->on, s->trace, "contacts", s->u,
                   (size_t)s->nv * sizeof *s->u);
     if (status == DRAPE_OK)
-        s->run->advance(s->on, s, c.vertices, c.vertex, c.moved, false);
+        s->run->rounds_advance(s->on, s, c.vertices, c.vertex, c.moved, false);
     return status;
 }
 
 /* The contacts: the implicit solve reads them. */
 static int grow_contacts(const struct response *s, struct pool *p, int64_t need)
 {
-    return s->run->grow(s->on, p, need, sizeof(struct contact), true);
+    return s->run->grow(s->on, p, ARENA_RESPONSE, need, sizeof(struct contact),
+                        true);
 }
 
 /* §3 */
@@ -333,7 +334,7 @@ static int push_hits(struct response *s)
     /* only impulses that contacts gave can it withdraw */
     bool warm = s->contacts_solved;
     if (!warm)
-        s->run->cap_targets(s->on, s, contact);
+        s->run->rounds_settle(s->on, s, contact);
     s->contacts_solved = true;
     return solve_contacts(s, s->active, warm);
 }
@@ -344,7 +345,7 @@ static int resolve_round(struct response *s, int round)
     if (rolls >= 0)
         return failsafe_rollback(s, rolls);
     s->run->clear(s->on, s->touched, (size_t)s->nv);
-    s->run->touch(s->on, s);
+    s->run->rounds_touch(s->on, s);
     return round < s->max_rounds ? push_hits(s) : failsafe_zones(s);
 }
 

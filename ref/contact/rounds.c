@@ -3,8 +3,9 @@
  * spec/contact/response.md */
 #include "ref/contact/rounds.h"
 
-void rounds_start(struct response *s)
+void ref_rounds_start(struct gpu *on, const struct response *s)
 {
+    (void)on;
     EACH_ITEM
     for (int64_t i = 0; i < s->nv; i++) {
         vec d = vec_sub(s->x1[i], s->x0[i]);
@@ -12,9 +13,10 @@ void rounds_start(struct response *s)
     }
 }
 
-void rounds_advance(struct response *s, int64_t n, const int32_t *vertex,
-                    const uint8_t *moved, bool stop)
+void ref_rounds_advance(struct gpu *on, const struct response *s, int64_t n,
+                        const int32_t *vertex, const uint8_t *moved, bool stop)
 {
+    (void)on;
     EACH_ITEM
     for (int64_t k = 0; k < n; k++) {
         int32_t i = vertex[k];
@@ -27,15 +29,18 @@ void rounds_advance(struct response *s, int64_t n, const int32_t *vertex,
     }
 }
 
-void rounds_touch(const struct response *s)
+void ref_rounds_touch(struct gpu *on, const struct response *s)
 {
+    (void)on;
     const int32_t *hit = s->hit.data;
     for (int64_t k = 0; k < 4 * s->hits; k++)
         s->touched[hit[k]] = s->w[hit[k]] > 0;
 }
 
-void rounds_settle(const struct response *s, struct contact *contact)
+void ref_rounds_settle(struct gpu *on, const struct response *s,
+                       struct contact *contact)
 {
+    (void)on;
     EACH_ITEM
     for (int64_t k = 0; k < s->active; k++) {
         struct contact *c = &contact[k];

@@ -20,7 +20,7 @@ struct pairs {
 /* All streams and pools lie in the memory of the backend. */
 struct response {
     const struct backend *run;
-    void *on; /* the first argument of the backend's functions */
+    struct gpu *on; /* the first argument of the backend's functions */
 
     int64_t nv;
     const real *w; /* [nv] 1/kg, ≥ 0; 0: prescribed, x1 and v stay */
@@ -125,24 +125,10 @@ static inline int response_grow(const struct response *s, int n,
     int status = DRAPE_OK;
     for (int k = 0; k < n && status == DRAPE_OK; k++)
         if (pool_need[k].need > pool_need[k].pool->cap)
-            status = s->run->grow(s->on, pool_need[k].pool, pool_need[k].need,
-                                  pool_need[k].size, false);
+            status = s->run->grow(s->on, pool_need[k].pool, ARENA_RESPONSE,
+                                  pool_need[k].need, pool_need[k].size, false);
     return status;
 }
-
-/* §1: writes u, the mean velocity. */
-void rounds_start(struct response *s);
-
-/* §1: ends of the step for those of n vertices whose mean velocity changed;
- * moved: NULL, all of them. stop: v becomes u, too. */
-void rounds_advance(struct response *s, int64_t n, const int32_t *vertex,
-                    const uint8_t *moved, bool stop);
-
-/* §3: touched is set for the free vertices of the hits. */
-void rounds_touch(const struct response *s);
-
-/* §4: caps the targets of the active contacts at the impact margin. */
-void rounds_settle(const struct response *s, struct contact *contact);
 
 /* The rounds of the fail-safe, on either backend: ref/contact/failsafe.c. */
 

@@ -47,7 +47,7 @@ int unknowns_make(struct world *w)
     return w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
 }
 
-int unknowns_room(struct world *w, int64_t n)
+int ref_unknowns_room(struct world *w, int64_t n)
 {
     struct lagrange *a = &w->lagrange;
     struct coulomb *s = &a->law;
@@ -66,8 +66,9 @@ int unknowns_room(struct world *w, int64_t n)
     return w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
 }
 
-void unknowns_shift(const struct shift *s)
+void ref_unknowns_shift(struct gpu *on, const struct shift *s)
 {
+    (void)on;
     EACH_ITEM
     for (int64_t i = 0; i < s->count; i++) {
         if (!(s->w[i] > 0))
@@ -79,8 +80,9 @@ void unknowns_shift(const struct shift *s)
     }
 }
 
-void unknowns_jump(const struct jumps *s)
+void ref_unknowns_jump(struct gpu *on, const struct jumps *s)
 {
+    (void)on;
     EACH_ITEM
     for (int64_t i = 0; i < s->count; i++) {
         vec sum = vec_make(0, 0, 0);
@@ -95,8 +97,10 @@ void unknowns_jump(const struct jumps *s)
     }
 }
 
-void unknowns_lessen(int64_t n, real part, const vec *q, vec *r)
+void ref_unknowns_lessen(struct gpu *on, int64_t n, real part, const vec *q,
+                         vec *r)
 {
+    (void)on;
     EACH_ITEM
     for (int64_t i = 0; i < n; i++)
         r[i] = vec_axpy(r[i], -part, q[i]);

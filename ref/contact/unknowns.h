@@ -32,11 +32,5 @@ struct jumps {
 
 /* Takes the streams of w->lagrange. DRAPE_OK or DRAPE_ENOMEM. */
 int unknowns_make(struct world *w);
-/* Takes the memory that n contacts need. DRAPE_OK or DRAPE_ENOMEM. */
-int unknowns_room(struct world *w, int64_t n);
-void unknowns_shift(const struct shift *s);
-void unknowns_jump(const struct jumps *s);
-/* r -= part·q, n items. */
-void unknowns_lessen(int64_t n, real part, const vec *q, vec *r);
 
 #endif

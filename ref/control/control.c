@@ -82,7 +82,7 @@ void control_tell_cloth(struct world *w, int k)
     resend_stream(w, s->cloth.mass, c->mass, n * sizeof *c->mass);
     sleep_weigh(w, k);
     resend_stream(w, w->surface + k, h->surface + k, sizeof *w->surface);
-    w->run->laws(w->on, s);
+    w->run->motion_laws(w->on, s);
     derive_from_cloths(w);
 }
 
@@ -129,7 +129,7 @@ int control_take(struct world *w, struct given a, int64_t n, vec *stage,
     bool sane = true;
     if (a.there) {
         w->run->copy(w->on, to, a.there, bytes);
-        sane = w->run->sane(w->on, n, to);
+        sane = w->run->prescribed_sane(w->on, n, to);
         int status = w->run->status(w->on);
         return status == DRAPE_OK && !sane ? DRAPE_EDATA : status;
     }
@@ -155,8 +155,9 @@ static void keep_fixed(struct world *w, int64_t first, int64_t n,
         int64_t from = first > s->first ? first : s->first;
         int64_t to = first + n < end ? first + n : end;
         if (from < to)
-            w->run->keep(w->on, to - from, s->cloth.fixed + (from - s->first),
-                         old + from, a + from);
+            w->run->prescribed_keep(w->on, to - from,
+                                    s->cloth.fixed + (from - s->first),
+                                    old + from, a + from);
     }
 }
 

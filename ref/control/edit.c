@@ -134,18 +134,13 @@ static void copy_body(struct world *w, int k, const struct world *old, int from)
 {
     int64_t to = state_first_vertex(w, k), at = state_first_vertex(old, from);
     size_t bytes = (size_t)(state_first_vertex(w, k + 1) - to) * sizeof(vec);
-    w->run->copy(w->on, w->x0 + to, old->x0 + at, bytes);
+    const struct state_list s = state_streams(w), was = state_streams(old);
+    for (int i = 0; i < STATE_STREAMS; i++)
+        if (to < s.of[i].n) /* a stream of cloth ends before the obstacles */
+            w->run->copy(w->on, *s.of[i].at + to, *was.of[i].at + at, bytes);
     w->run->copy(w->on, w->x1 + to, old->x0 + at, bytes);
-    w->run->copy(w->on, w->v0 + to, old->v0 + at, bytes);
-    if (k >= w->def.n_cloths)
-        return;
-    memcpy(w->watch[k], old->watch[from], sizeof *w->watch);
-    if (w->past_x) {
-        w->run->copy(w->on, w->past_x + to, old->past_x + at, bytes);
-        w->run->copy(w->on, w->past_v + to, old->past_v + at, bytes);
-    }
-    if (w->anchor)
-        w->run->copy(w->on, w->anchor + to, old->anchor + at, bytes);
+    if (k < w->def.n_cloths)
+        memcpy(w->watch[k], old->watch[from], sizeof *w->watch);
 }
 
 /* §9.3: a new cloth has moved with its velocity until now. */

@@ -160,7 +160,7 @@ int control_pins(struct world *w, int cloth, int64_t n, const int32_t *particle,
     w->run->copy(w->on, to, w->x0 + s->first,
                  (size_t)s->cloth.count * sizeof *to);
     if (x.here || x.there)
-        w->run->pin(w->on, n, s->caller_pins.at, target, to);
+        w->run->prescribed_pin(w->on, n, s->caller_pins.at, target, to);
     return w->run->status(w->on);
 }
 

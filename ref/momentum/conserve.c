@@ -74,7 +74,8 @@ static void find_energies(struct world *w, struct tally *part)
         double met[3], *after = w->met ? met : s->dynamics.energy;
         part[k].elastic = s->dynamics.before[1];
         if (w->met)
-            w->run->energy(w->on, s, w->x1 + s->first, w->v1 + s->first, met);
+            w->run->motion_energy(w->on, s, w->x1 + s->first, w->v1 + s->first,
+                                  met);
         part[n + k].elastic = after[1];
     }
 }
@@ -140,7 +141,7 @@ static int give_gain(struct world *w, int k)
     w->run->trace(w->on, w->tracing, "spin", spin.to,
                   (size_t)spin.count * sizeof *spin.to);
     if (!w->met)
-        w->run->energy(w->on, s, spin.x, spin.v, s->dynamics.energy);
+        w->run->motion_energy(w->on, s, spin.x, spin.v, s->dynamics.energy);
     if (status == DRAPE_OK && w->plan.history && w->plan.collides) {
         spin.v = spin.to = w->free_v + s->first; /* it is no jump of contacts */
         status = w->run->spin(w->on, &spin);

@@ -160,8 +160,8 @@ static void weigh_energy(struct world *w, int k)
     struct sheet *c = &w->sheet[k];
     struct held *held = &w->sleep->held[k];
     if (!held->known)
-        w->run->energy(w->on, c, w->x0 + c->first, w->v0 + c->first,
-                       held->energy);
+        w->run->motion_energy(w->on, c, w->x0 + c->first, w->v0 + c->first,
+                              held->energy);
     held->known = true;
 }
 
@@ -247,14 +247,15 @@ static bool pins_move(const struct world *w, int k)
     const struct sheet *c = &w->sheet[k];
     struct pins pins = sheet_pins(c);
     return w->prescribes && pins.n > 0 &&
-           w->run->differs(w->on, pins.n, pins.at, w->x0 + c->first, pins.x);
+           w->run->prescribed_differs(w->on, pins.n, pins.at, w->x0 + c->first,
+                                      pins.x);
 }
 
 static bool obstacle_moves(const struct world *w, const struct prop *p)
 {
     return w->prescribes && can_move(p) &&
-           w->run->differs(w->on, p->place.n, NULL, w->x0 + p->first,
-                           w->x1 + p->first);
+           w->run->prescribed_differs(w->on, p->place.n, NULL, w->x0 + p->first,
+                                      w->x1 + p->first);
 }
 
 int sleep_begin_slice(struct world *w)
@@ -311,7 +312,8 @@ static void measure_cloths(struct world *w)
     struct sleep *s = w->sleep;
     int n = w->def.n_cloths;
     if (n == 1)
-        s->most[0] = w->run->furthest(w->on, w->nc, w->anchor, w->x1);
+        s->most[0] =
+            w->run->prescribed_furthest(w->on, w->nc, w->anchor, w->x1);
     else
         w->run->wake_displacements(w->on, w->nc, w->body, w->anchor, w->x1, n,
                                    s->most);

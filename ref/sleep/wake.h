@@ -4,6 +4,7 @@
 #ifndef REF_WAKE_H
 #define REF_WAKE_H
 
+#include "ref/base/backend.h"
 #include "ref/base/stage.h"
 
 /* Pairs of candidates, and which bodies move in this slice. */
@@ -15,13 +16,5 @@ struct wake {
     uint8_t *disturbed;       /* inout: [bodies] 1: it does not, and is in a
                             pair with one that does */
 };
-void wake_find(struct wake *s);
-/* Sets mask[i] to awake[body[i]] for n vertices. */
-void wake_mask(int64_t n, const uint16_t *body, const uint8_t *awake,
-               uint8_t *mask);
-/* Sets most [bodies] to the square of the largest displacement of each body
- * among the first n vertices, m²; 0 for a body that has none of them. */
-void wake_displacements(int64_t n, const uint16_t *body, const vec *x0,
-                        const vec *x1, int bodies, real *most);
 
 #endif

@@ -5,7 +5,6 @@
 
 #include "ref/base/sum.h"
 #include "ref/sleep/sleep.h"
-#include "ref/solve/jacobi.h"
 #include "ref/solve/product.h"
 #include "ref/world/state.h"
 
@@ -23,7 +22,7 @@ static struct pcg part_of(const struct sheet *s, const struct joint *a)
     return p;
 }
 
-int joint_set_up(struct world *w, struct joint *a)
+int ref_joint_set_up(struct world *w, struct joint *a)
 {
     int status = DRAPE_OK;
     for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++) {
@@ -52,15 +51,9 @@ static real apply_preconditioner(struct world *w, struct joint *a)
         struct pcg p = part_of(&w->sheet[k], a);
         if (!sleep_awake(w, k))
             continue;
+        p.s = a->q + w->sheet[k].first;
         pcg_open(&p);
-        vec *z = a->q + w->sheet[k].first;
-        if (p.precond == DRAPE_MULTIGRID)
-            ref_multigrid_cycle(&p.grid);
-        EACH_ITEM
-        for (int64_t i = 0; i < p.count; i++)
-            z[i] = p.precond == DRAPE_MULTIGRID
-                       ? p.s[i]
-                       : factor_solve(p.factor[i], p.r[i]);
+        pcg_precondition(&p);
     }
     return dot_streams(a, a->r, a->q);
 }
@@ -74,18 +67,10 @@ static void multiply_matrix(struct world *w, const struct joint *a,
         const struct pcg *p = &s->solver.pcg;
         if (!sleep_awake(w, k))
             continue;
-        struct product m = {.m = p->m,
-                            .n = p->n,
-                            .count = p->count,
-                            .mass = p->mass,
-                            .n_extra = with_singles ? p->count : 0,
-                            .extra = a->single + s->first,
-                            .n_blocks = p->n_cdf ? 0 : p->n_blocks,
-                            .block = s->dynamics.block,
-                            .n_cdf = p->n_cdf,
-                            .cdf = p->cdf,
-                            .x = x + s->first,
-                            .y = y + s->first};
+        struct product m = pcg_product(p, x + s->first, y + s->first);
+        m.n_extra = with_singles ? p->count : 0;
+        m.extra = a->single + s->first;
+        m.block = s->dynamics.block;
         ref_product(&m);
     }
     EACH_ITEM
@@ -148,7 +133,8 @@ static void take_residual(struct joint *a, const vec *b)
     }
 }
 
-int joint_measure(struct world *w, struct joint *a, const vec *r, real *value)
+int ref_joint_measure(struct world *w, struct joint *a, const vec *r,
+                      real *value)
 {
     take_residual(a, r);
     *value = apply_preconditioner(w, a);
@@ -181,7 +167,7 @@ static void improve_solution(const struct world *w, struct joint *a)
         a->dv[i] = vec_axpy(a->dv[i], part, a->q[i]);
 }
 
-int joint_solve(struct world *w, struct joint *a)
+int ref_joint_solve(struct world *w, struct joint *a)
 {
     a->iterations = 0;
     take_residual(a, a->b);

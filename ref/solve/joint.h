@@ -33,14 +33,4 @@ struct joint {
     int32_t outcome;    /* out: enum pcg_outcome */
 };
 
-/* The three functions run by the reference. DRAPE_OK, also where a solve does
- * not converge, or the status of a stage. */
-
-/* Makes the preconditioner M of A + bound. */
-int joint_set_up(struct world *w, struct joint *a);
-/* Sets *value to r·M⁻¹ r; r [nc], 0 where fixed. */
-int joint_measure(struct world *w, struct joint *a, const vec *r, real *value);
-/* Solves (A + single + C) dv = b with M. */
-int joint_solve(struct world *w, struct joint *a);
-
 #endif

@@ -107,14 +107,10 @@ static void multiply_coarse(const struct level *l)
  * if there are any. */
 static void multiply_level(const struct multigrid *s, const struct level *l)
 {
-    struct product a = {.m = s->m,
-                        .n = s->n,
-                        .count = s->count,
+    struct product a = {.count = s->count,
                         .mass = s->mass,
                         .n_extra = s->n_extra,
                         .extra = s->extra,
-                        .n_blocks = s->n_blocks,
-                        .block = s->block,
                         .x = l->x,
                         .y = l->y};
     struct couplings c = {.m = l->m,

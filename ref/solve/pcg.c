@@ -5,7 +5,6 @@
 #include "ref/base/sum.h"
 #include "ref/solve/jacobi.h"
 #include "ref/solve/product.h"
-#include "ref/solve/residual.h"
 
 int64_t ref_pcg_size(struct pcg *s)
 {
@@ -37,7 +36,7 @@ static real dot_streams(struct pcg *s, const vec *a, const vec *b)
     return d.value;
 }
 
-static void multiply_matrix(struct pcg *s, const vec *x, vec *y)
+struct product pcg_product(const struct pcg *s, const vec *x, vec *y)
 {
     struct product a = {.m = s->m,
                         .n = s->n,
@@ -51,11 +50,16 @@ static void multiply_matrix(struct pcg *s, const vec *x, vec *y)
                         .cdf = s->cdf,
                         .x = x,
                         .y = y};
+    return a;
+}
+
+static void multiply_matrix(struct pcg *s, const vec *x, vec *y)
+{
+    struct product a = pcg_product(s, x, y);
     ref_product(&a);
 }
 
-/* Sets s->s to M⁻¹ r. */
-static void apply_preconditioner(struct pcg *s)
+void pcg_precondition(struct pcg *s)
 {
     if (s->precond == DRAPE_MULTIGRID && !s->fell_back) {
         ref_multigrid_cycle(&s->grid);
@@ -72,24 +76,6 @@ static void take_right_side(struct pcg *s)
     EACH_ITEM
     for (int64_t k = 0; k < s->count; k++)
         s->r[k] = s->fixed[k] ? vec_make(0, 0, 0) : s->b[k];
-}
-
-/* §2: sets r to the true residual b - A (dv + low). */
-static void true_residual(struct pcg *s)
-{
-    struct residual a = {.m = s->m,
-                         .n = s->n,
-                         .count = s->count,
-                         .mass = s->mass,
-                         .n_extra = s->n_extra,
-                         .extra = s->extra,
-                         .block = s->block,
-                         .fixed = s->fixed,
-                         .b = s->b,
-                         .x = s->dv,
-                         .low = s->low,
-                         .r = s->r};
-    residual_find(&a);
 }
 
 /* TwoSum (Knuth): *a becomes *a + b, rounded; returns the rounding error,
@@ -257,7 +243,7 @@ static int iterate_gradients(struct pcg *s, real square)
 {
     real rho = 0, left = square;
     for (bool first = true; s->iterations < s->max_iterations; first = false) {
-        apply_preconditioner(s);
+        pcg_precondition(s);
         real next = dot_streams(s, s->r, s->s);
         if (s->energy && has_converged(s, next, left))
             return PCG_CONVERGED;
@@ -284,7 +270,7 @@ int ref_pcg(struct pcg *s)
         return status;
 
     if (s->n_z)
-        true_residual(s);
+        residual_find(s);
     else
         take_right_side(s);
     real square = dot_streams(s, s->r, s->r), before = 2;
@@ -305,7 +291,7 @@ int ref_pcg(struct pcg *s)
         }
         before = s->residual;
         s->outcome = iterate_gradients(s, square);
-        true_residual(s);
+        residual_find(s);
         s->residual = real_sqrt(dot_streams(s, s->r, s->r) / most);
         if (s->energy && s->outcome == PCG_CONVERGED)
             break;

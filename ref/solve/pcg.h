@@ -6,14 +6,15 @@
 
 #include "ref/solve/multigrid.h"
 
-struct mat;
-
 enum pcg_outcome {
     PCG_CONVERGED, /* the true residual is within the tolerance */
     PCG_LIMIT,     /* max_iterations are used up */
     PCG_STALLED,   /* rounding keeps the true residual above the tolerance */
     PCG_BREAKDOWN  /* not a number, or the matrix is not positive definite */
 };
+
+struct mat;
+struct product;
 
 struct pcg {
     int32_t m, n;           /* particles along i and j, ≥ 1 */
@@ -86,6 +87,15 @@ int pcg_set_up(struct pcg *s, const struct pcg_stages *stages, void *backend);
 
 /* The same by the reference's stages. */
 int ref_pcg_set_up(struct pcg *s);
+
+/* The product y = A x with the matrix of a solve. */
+struct product pcg_product(const struct pcg *s, const vec *x, vec *y);
+
+/* Sets s to M⁻¹ r, by Jacobi where multigrid has broken down. */
+void pcg_precondition(struct pcg *s);
+
+/* §2: sets r to the true residual b - A (dv + low), 0 where fixed. */
+void residual_find(const struct pcg *s);
 
 /* Whether a, a curvature or a squared norm, is finite and above 0. */
 static inline bool pcg_positive(real a)

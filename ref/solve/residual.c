@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The true residual, in binary64 and rounded once. spec/solve/pcg.md §2 */
-#include "ref/solve/residual.h"
-
 #include "ref/base/wide.h"
+#include "ref/solve/matrix.h"
+#include "ref/solve/pcg.h"
 
-static struct wide solution_of(const struct residual *s, int64_t p)
+static struct wide solution_of(const struct pcg *s, int64_t p)
 {
-    struct wide x = wide_of(s->x[p]), low = wide_of(s->low[p]);
+    struct wide x = wide_of(s->dv[p]), low = wide_of(s->low[p]);
     return wide_make(x.x + low.x, x.y + low.y, x.z + low.z);
 }
 
@@ -20,8 +20,8 @@ static struct wide subtract_product(struct wide r, sym a, struct wide d)
     return wide_sub(r, f);
 }
 
-/* §2: returns b - A (x + low) at the particle (i, j), rounded once. */
-static vec left_over(const struct residual *s, int32_t i, int32_t j)
+/* §2: returns b - A (dv + low) at the particle (i, j), rounded once. */
+static vec left_over(const struct pcg *s, int32_t i, int32_t j)
 {
     int64_t p = i + (int64_t)s->m * j;
     struct wide x = solution_of(s, p);
@@ -41,7 +41,7 @@ static vec left_over(const struct residual *s, int32_t i, int32_t j)
     return wide_round(r);
 }
 
-void residual_find(const struct residual *s)
+void residual_find(const struct pcg *s)
 {
     EACH_MANY(s->count)
     for (int32_t j = 0; j < s->n; j++)

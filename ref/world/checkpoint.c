@@ -128,22 +128,23 @@ uint64_t checkpoint_fingerprint(const drape_def *d, uint64_t *print)
     return h;
 }
 
-/* Lists the streams that are part of the state: the next step reads them. A
- * stream that the scene does not have has 0 bytes. */
-enum { PLACE, SPEED, WATCH, REST, STREAMS = 7 };
+/* Lists the streams that are part of a checkpoint: those of the state, of which
+ * x0 and v0 come first, then watch and rest. A stream that the scene does not
+ * have has 0 bytes. */
+enum { PLACE, SPEED, WATCH, REST, STREAMS = STATE_STREAMS + 2 };
 static void list_streams(const struct world *w, void *stream[STREAMS],
                          size_t bytes[STREAMS])
 {
-    size_t n = (size_t)w->nv * sizeof(vec);
-    size_t past = w->past_x ? (size_t)w->nc * sizeof(vec) : 0;
-    size_t watch = (size_t)w->def.n_cloths * sizeof *w->watch;
-    size_t rest = (size_t)w->def.n_cloths * sizeof *w->sleep->rest;
-    size_t anchor = w->anchor ? (size_t)w->nc * sizeof(vec) : 0;
-    void *s[STREAMS] = {w->x0,     w->v0,     w->watch, w->sleep->rest,
-                        w->past_x, w->past_v, w->anchor};
-    const size_t b[STREAMS] = {n, n, watch, rest, past, past, anchor};
-    memcpy(stream, s, sizeof s);
-    memcpy(bytes, b, sizeof b);
+    const struct state_list state = state_streams(w);
+    for (int k = 0; k < STATE_STREAMS; k++) {
+        int at = k < WATCH ? k : k + 2;
+        stream[at] = *state.of[k].at;
+        bytes[at] = (size_t)state.of[k].n * sizeof(vec);
+    }
+    stream[WATCH] = w->watch;
+    stream[REST] = w->sleep->rest;
+    bytes[WATCH] = (size_t)w->def.n_cloths * sizeof *w->watch;
+    bytes[REST] = (size_t)w->def.n_cloths * sizeof *w->sleep->rest;
 }
 
 /* Hashes the header, with its field `check` set to 0, as the first part of the

@@ -26,8 +26,7 @@ int collide_broad(void *user, const uint8_t *touched, struct pairs *out)
     struct world *w = user;
     double start = clock_now();
     real r = touched ? 0 : w->response.reach;
-    int status =
-        w->run->broad_query(w->on, &w->broad, w->x0, w->x1, r, touched);
+    int status = broad_query(&w->broad, w->x0, w->x1, r, touched);
     if (status == DRAPE_OK)
         status = sleep_notice(w);
     w->broad_seconds += clock_now() - start;
@@ -56,10 +55,9 @@ static int find_near(struct world *w, const vec *to, real r)
     bool apart = false;
     int status = DRAPE_OK;
     if (w->nearness == NEAR_NONE)
-        status =
-            w->run->broad_meshes_apart(w->on, &w->broad, w->x0, to, r, &apart);
+        status = broad_meshes_apart(&w->broad, w->x0, to, r, &apart);
     if (status == DRAPE_OK && !apart)
-        status = w->run->broad_query(w->on, &w->broad, w->x0, to, r, NULL);
+        status = broad_query(&w->broad, w->x0, to, r, NULL);
     if (status == DRAPE_OK && !apart)
         status = sleep_notice(w);
     w->broad_seconds += clock_now() - start;
@@ -72,7 +70,8 @@ static int find_near(struct world *w, const vec *to, real r)
 int collide_far(struct world *w, drape_step_report *r, double *last,
                 bool *again)
 {
-    *again = slice_too_far(w, 4 * w->run->furthest(w->on, w->nv, w->x0, w->x1));
+    *again = slice_too_far(
+        w, 4 * w->run->prescribed_furthest(w->on, w->nv, w->x0, w->x1));
     if (!*again)
         return w->run->status(w->on);
     int status = find_near(w, w->x1, 0);

@@ -267,9 +267,11 @@ static int fill_obstacle(struct world *w, const drape_obstacle *def, int k)
 static int take_streams(struct world *w)
 {
     const struct plan *p = &w->plan;
+    const struct state_list s = state_streams(w);
     int64_t bodies = w->def.n_cloths + w->def.n_obstacles;
-    w->x0 = take_stream(w, ARENA_STATE, w->nv, sizeof *w->x0);
-    w->v0 = take_stream(w, ARENA_STATE, w->nv, sizeof *w->v0);
+    for (int k = 0; k < STATE_STREAMS; k++)
+        if (s.of[k].n)
+            *s.of[k].at = take_stream(w, ARENA_STATE, s.of[k].n, sizeof(vec));
     w->x1 = take_stream(w, ARENA_STATE, w->nv, sizeof *w->x1);
     w->v1 = take_stream(w, ARENA_STATE, w->nv, sizeof *w->v1);
     w->to = take_stream(w, ARENA_STATE, w->nc, sizeof *w->to);
@@ -278,12 +280,6 @@ static int take_streams(struct world *w)
     w->surface = take_stream(w, ARENA_STATE, bodies, sizeof *w->surface);
     w->tri = take_stream(w, ARENA_STATE, w->nt, sizeof *w->tri);
     w->watch = take_stream(w, ARENA_STATE, w->def.n_cloths, sizeof *w->watch);
-    if (w->def.sleep)
-        w->anchor = take_stream(w, ARENA_STATE, w->nc, sizeof *w->anchor);
-    if (p->history) {
-        w->past_x = take_stream(w, ARENA_STATE, w->nc, sizeof *w->past_x);
-        w->past_v = take_stream(w, ARENA_STATE, w->nc, sizeof *w->past_v);
-    }
     if (p->history && p->collides) {
         w->free_x = take_stream(w, ARENA_STATE, w->nc, sizeof *w->free_x);
         w->free_v = take_stream(w, ARENA_STATE, w->nc, sizeof *w->free_v);

@@ -33,7 +33,7 @@ static void blend_targets(const struct world *w, int64_t first, int64_t n,
                       .to = w->targets.to + first,
                       .part = w->targets.armed ? slice_part(w) : 1,
                       .x = x};
-    w->run->blend(w->on, &s);
+    w->run->prescribed_blend(w->on, &s);
 }
 
 static int prescribe_obstacle(struct world *w, struct prop *p, double t, vec *x)
@@ -58,7 +58,7 @@ static int prescribe_pins(struct world *w, struct sheet *s)
         blend_targets(w, s->first, pins.n, pins.at, pins.x);
     else
         status = w->run->kinematics(w->on, &s->pins);
-    w->run->pin(w->on, pins.n, pins.at, pins.x, w->to + s->first);
+    w->run->prescribed_pin(w->on, pins.n, pins.at, pins.x, w->to + s->first);
     return status;
 }
 
@@ -80,11 +80,11 @@ int prescribe_positions(struct world *w, double t, vec *x)
 
 bool prescribe_moves(const struct world *w)
 {
-    return w->plan.prescribed && w->run->moves(w);
+    return w->plan.prescribed && w->run->prescribed_moves(w);
 }
 
 void prescribe_velocities(const struct world *w)
 {
-    w->run->velocities(w->on, w->nv - w->nc, w->x0 + w->nc, w->x1 + w->nc,
-                       (real)w->dt, w->v1 + w->nc);
+    w->run->prescribed_velocities(w->on, w->nv - w->nc, w->x0 + w->nc,
+                                  w->x1 + w->nc, (real)w->dt, w->v1 + w->nc);
 }

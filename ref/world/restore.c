@@ -6,56 +6,34 @@
 #include "ref/contact/carry.h"
 #include "ref/sleep/sleep.h"
 
-static vec *take_stream(struct world *w, vec *had, int64_t n)
-{
-    return had ? had : w->run->take(w->on, ARENA_STATE, n, sizeof *had);
-}
-
 /* Takes the streams that have not been taken yet. Some may have been taken by
  * an earlier call that then ran out of memory. */
 static int take_start(struct world *w)
 {
+    const struct state_list now = state_streams(w);
     struct saved_state *s = &w->saved;
-    s->x = take_stream(w, s->x, w->nv);
-    s->v = take_stream(w, s->v, w->nv);
-    if (w->past_x) {
-        s->past_x = take_stream(w, s->past_x, w->nc);
-        s->past_v = take_stream(w, s->past_v, w->nc);
-    }
-    if (w->anchor)
-        s->anchor = take_stream(w, s->anchor, w->nc);
+    for (int k = 0; k < STATE_STREAMS; k++)
+        if (now.of[k].n && !s->stream[k])
+            s->stream[k] =
+                w->run->take(w->on, ARENA_STATE, now.of[k].n, sizeof(vec));
     if (!s->watch)
         s->watch = arena_take(w->arena, ARENA_STATE, w->def.n_cloths,
                               sizeof *s->watch);
     return s->watch ? w->run->status(w->on) : DRAPE_ENOMEM;
 }
 
-/* Copies the streams of the state from one set to another. */
-static void copy_state(const struct world *w, struct saved_state *to,
-                       const struct saved_state *from)
+/* Copies the streams of the state to the saved ones, or back. */
+static void copy_state(struct world *w, bool back)
 {
-    size_t n = (size_t)w->nv * sizeof(vec),
-           cloths = (size_t)w->nc * sizeof(vec);
-    w->run->copy(w->on, to->x, from->x, n);
-    w->run->copy(w->on, to->v, from->v, n);
-    if (w->past_x) {
-        w->run->copy(w->on, to->past_x, from->past_x, cloths);
-        w->run->copy(w->on, to->past_v, from->past_v, cloths);
+    const struct state_list now = state_streams(w);
+    struct saved_state *s = &w->saved;
+    for (int k = 0; k < STATE_STREAMS; k++) {
+        vec *own = *now.of[k].at, *kept = s->stream[k];
+        w->run->copy(w->on, back ? own : kept, back ? kept : own,
+                     (size_t)now.of[k].n * sizeof(vec));
     }
-    if (w->anchor)
-        w->run->copy(w->on, to->anchor, from->anchor, cloths);
-    memcpy(to->watch, from->watch, (size_t)w->def.n_cloths * sizeof *to->watch);
-}
-
-/* Returns the world's own streams of the state. */
-static struct saved_state current_state(const struct world *w)
-{
-    return (struct saved_state){.x = w->x0,
-                                .v = w->v0,
-                                .past_x = w->past_x,
-                                .past_v = w->past_v,
-                                .watch = w->watch,
-                                .anchor = w->anchor};
+    memcpy(back ? w->watch : s->watch, back ? s->watch : w->watch,
+           (size_t)w->def.n_cloths * sizeof *w->watch);
 }
 
 /* Copies the multipliers that contacts carry on. */
@@ -65,7 +43,8 @@ static int copy_kept(const struct world *w, struct pool *to, int64_t *n_to,
     int status = DRAPE_OK;
     *n_to = 0;
     if (n > to->cap)
-        status = w->run->grow(w->on, to, n, sizeof(struct kept), true);
+        status = w->run->grow(w->on, to, ARENA_RESPONSE, n, sizeof(struct kept),
+                              true);
     if (status != DRAPE_OK)
         return status;
     w->run->copy(w->on, to->data, from->data, (size_t)n * sizeof(struct kept));
@@ -75,11 +54,11 @@ static int copy_kept(const struct world *w, struct pool *to, int64_t *n_to,
 
 int restore_save(struct world *w)
 {
-    struct saved_state *s = &w->saved, from = current_state(w);
+    struct saved_state *s = &w->saved;
     int status = take_start(w);
     if (status != DRAPE_OK)
         return status;
-    copy_state(w, s, &from);
+    copy_state(w, false);
     s->nearness = w->nearness;
     status = copy_kept(w, &s->kept, &s->n_kept, &w->lagrange.kept[0],
                        w->lagrange.n_kept[0]);
@@ -89,12 +68,11 @@ int restore_save(struct world *w)
 void restore_start(struct world *w)
 {
     const struct saved_state *s = &w->saved;
-    struct saved_state to = current_state(w);
     w->run->begin(w->on); /* a recorded lack of memory would stop the copies */
     sleep_undo(w);
     if (w->slicing.done == 0)
         return; /* no slice was committed */
-    copy_state(w, &to, s);
+    copy_state(w, true);
     w->nearness = s->nearness;
     /* where there is no room they are forgotten: contacts begin anew */
     copy_kept(w, &w->lagrange.kept[0], &w->lagrange.n_kept[0], &s->kept,

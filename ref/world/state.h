@@ -46,15 +46,16 @@ struct targets {
  * contacts. */
 enum nearness { NEAR_NONE, NEAR_PAIRS, NEAR_CONTACTS };
 
-/* A copy of the state at the start of the current step. `watch` and `rest` lie
- * on the host, the other streams in the memory of the backend. */
+/* The streams of vectors that a step leaves to the next. */
+enum { STATE_STREAMS = 5 };
+
+/* A copy of the state at the start of the current step. `watch` lies on the
+ * host, the other streams in the memory of the backend. */
 struct saved_state {
-    vec *x, *v;           /* [nv] */
-    vec *past_x, *past_v; /* [nc] or NULL */
-    struct pool kept;     /* struct kept */
+    vec *stream[STATE_STREAMS]; /* of state_streams; NULL: not taken yet */
+    struct pool kept;           /* struct kept */
     int64_t n_kept;
     double (*watch)[2]; /* [n_cloths]; NULL: no start was kept yet */
-    vec *anchor;        /* [nc] or NULL */
     enum nearness nearness;
 };
 
@@ -77,7 +78,7 @@ struct list {
 struct world {
     drape_def def; /* only its scalars and motions are used after creation */
     const struct backend *run; /* the functions of the backend */
-    void *on;                  /* the first argument of those functions */
+    struct gpu *on;            /* the first argument of those functions */
     struct gpu_world *device;  /* NULL: the backend is the reference */
     struct world *home;        /* the world whose streams are on the host: this
                                   one, or the one that a device's was made of */
@@ -139,6 +140,31 @@ struct world {
     struct audit
         ending; /* the audit of step.md §11; its streams are taken at need */
 };
+
+/* A stream of the state. at: the member of the world that points to it. n: its
+ * items, of which those of cloth come first; 0: the world does not have it. */
+struct state_stream {
+    vec **at;
+    int64_t n;
+};
+struct state_list {
+    struct state_stream of[STATE_STREAMS];
+};
+
+/* Lists the streams of the state, in the order in which a checkpoint has them.
+ * Whatever takes, restores, saves, hands over or copies a state goes over this
+ * list, so that none of them can forget a stream. */
+static inline struct state_list state_streams(const struct world *w)
+{
+    struct world *own = (struct world *)w; /* a maker sets the members */
+    int64_t past = w->plan.history ? w->nc : 0, rest = w->def.sleep ? w->nc : 0;
+    struct state_list list = {{{&own->x0, w->nv},
+                               {&own->v0, w->nv},
+                               {&own->past_x, past},
+                               {&own->past_v, past},
+                               {&own->anchor, rest}}};
+    return list;
+}
 
 /* Whether past_x and past_v hold a slice of the current slice's length. */
 static inline bool state_has_past(const struct world *w)

@@ -43,7 +43,7 @@ static void add_energies(const struct world *w, const vec *x, const vec *v,
         double value[3];
         const double *still = sleep_energy(w, k);
         if (!still)
-            w->run->energy(w->on, s, x + s->first, v + s->first, value);
+            w->run->motion_energy(w->on, s, x + s->first, v + s->first, value);
         for (int j = 0; j < 3; j++)
             energy[j] += still ? still[j] : value[j];
     }

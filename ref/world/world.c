@@ -46,7 +46,7 @@ int world_make_edited(const drape_def *def, const struct edited *edited,
     w->held = arena->bytes;
     w->home = w;
     w->run = &backend_ref;
-    w->on = arena;
+    w->on = backend_of(arena);
     w->def = *def;
     w->plan = plan_make(def);
     w->dt = def->dt;

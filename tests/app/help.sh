@@ -6,13 +6,14 @@
 # Help and exit codes
 exits 'help' 0 help
 is 'help names every command' sh -c 'for c in run plan audit render ccd \
-    convert export view sweep fetch-models materials info help; do grep -q "^  $c " out || exit 1; done'
-for command in run plan audit render ccd convert export view sweep fetch-models \
+    convert pattern export view sweep fetch-models materials info help; do grep -q "^  $c " out || exit 1; done'
+for command in run plan audit render ccd convert pattern export view sweep fetch-models \
     materials info help; do
     exits "help $command" 0 help $command
     is "help $command shows its usage" grep -q "usage: drape $command" out
 done
-for command in run plan audit render ccd convert export view sweep fetch-models; do
+for command in run plan audit render ccd convert pattern export view sweep \
+    fetch-models; do
     refused "$command --nonsense" '--nonsense: unknown option' \
         $command --nonsense
 done
@@ -26,7 +27,7 @@ is 'is its help' cmp out run.txt
 refused 'no help behind --' '--help: No such file' run -- --help
 refused 'nor by a value' '--helpx: unknown option' run --helpx
 # Every option in a command's table is in its help and in the manual.
-for command in run plan audit render ccd convert; do
+for command in run plan audit render ccd convert pattern; do
     "$drape" help $command >out
     sed 's/\\-/-/g' "$root/app/drape.1" >manual
     options=$(sed -n 's/.*_OPTION("\(--[a-z-]*\)",.*/\1/p' \

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "gpu/broad/broad.h"
+#include "gpu/run/backend.h"
 #include "gpu/run/gpu.h"
 #include "gpu/world/state.h"
 #include "ref/base/clock.h"
@@ -46,7 +47,7 @@ static void unmake(struct both *t)
         notes_free(&t->notes[k]);
 }
 
-static void limit(struct broad_pool *p, int64_t cap)
+static void limit(struct pool *p, int64_t cap)
 {
     p->cap = p->cap < cap ? p->cap : cap;
 }
@@ -116,8 +117,8 @@ static const char *query(struct both *t, bool still, real r,
     double start = clock_now();
     int want = broad_query(&t->ref, f->x0, x1, r, moved);
     double between = clock_now();
-    int got = gpu_broad_query(t->g, &t->dev, t->x0, still ? t->x0 : t->x1, r,
-                              moved ? t->moved : NULL);
+    int got = broad_query(&t->dev, t->x0, still ? t->x0 : t->x1, r,
+                          moved ? t->moved : NULL);
     gpu_wait(t->g);
     t->seconds[0] = between - start;
     t->seconds[1] = clock_now() - between;

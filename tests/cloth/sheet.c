@@ -94,7 +94,7 @@ int sheet_step(struct sheet *s)
     d->xp = s->xp;
     d->vp = s->vp;
     d->to = s->to;
-    int status = ref_motion(d);
+    int status = motion_run(d);
     if (status != DRAPE_OK || d->outcome & DRAPE_DIVERGED)
         return status;
     memcpy(s->xp, s->x, bytes);

@@ -246,7 +246,7 @@ static struct {
     int rounds, wrong;
 } zoned;
 
-static int hear_zones(void *on, struct zones *z)
+static int hear_zones(struct gpu *on, struct zones *z)
 {
     size_t bytes = 4 * sizeof *zoned.pair;
     const int32_t *hit = zoned.r->hit.data;

@@ -3,8 +3,7 @@
  * scenes: every stage gives the same bits. spec/contact/response.md, gpu.md */
 #include <stdlib.h>
 
-#include "gpu/contact/rounds.h"
-#include "gpu/world/backend.h"
+#include "gpu/run/backend.h"
 #include "gpu/world/state.h"
 #include "tests/base/choices.h"
 #include "tests/base/notes.h"

@@ -33,7 +33,7 @@ void tangle_make(struct tangle *t, int64_t nv, int64_t nt)
     t->of = zeros(nv, sizeof *t->of);
     t->surface = (struct surface){R(0.01), R(0.3)};
     t->r = (struct response){.run = &backend_ref,
-                             .on = &t->arena,
+                             .on = backend_of(&t->arena),
                              .nv = nv,
                              .w = t->w,
                              .surfaces = {1, t->of, &t->surface},

@@ -295,7 +295,7 @@ static const char *check_cone(int integrator, int backend, struct cones *s)
     EXPECT(world);
     double weight = 0.46 * 0.46 * d.cloth.material.density * 9.81 * d.def.dt;
     double fall = weight / d.def.dt * 0.46; /* J, of all from top to bottom */
-    for (int k = 0; k < 40 && !failed; k++) {
+    for (int k = 0; k < 60 && !failed; k++) {
         drape_contact_list l;
         drape_step_report r;
         double most = weight;

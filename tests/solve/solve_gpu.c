@@ -8,7 +8,6 @@
 #include "gpu/compare/blas.h"
 #include "ref/base/clock.h"
 #include "ref/base/sum.h"
-#include "ref/solve/residual.h"
 #include "tests/base/modes.h"
 #include "tests/solve/solver.h"
 
@@ -352,18 +351,10 @@ static double part(vec a, int64_t r)
 static double left_over(const struct pcg *s, const vec *dv, const vec *low)
 {
     vec *r = calloc((size_t)s->count + 1, sizeof *r);
-    struct residual a = {.m = s->m,
-                         .n = s->n,
-                         .count = s->count,
-                         .mass = s->mass,
-                         .n_extra = s->n_extra,
-                         .extra = s->extra,
-                         .block = s->block,
-                         .fixed = s->fixed,
-                         .b = s->b,
-                         .x = dv,
-                         .low = low,
-                         .r = r};
+    struct pcg a = *s;
+    a.dv = (vec *)dv;
+    a.low = (vec *)low;
+    a.r = r;
     double sum = 0;
     residual_find(&a);
     for (int64_t k = 0; k < 3 * s->count; k++)

@@ -21,27 +21,27 @@ static bool fails(void)
     return left-- <= 0;
 }
 
-static int motion(void *on, struct sheet *s)
+static int motion(struct gpu *on, struct sheet *s)
 {
     return fails() ? DRAPE_ENOMEM : backend_ref.motion(on, s);
 }
 
-static int coulomb(void *on, struct coulomb *s)
+static int coulomb(struct gpu *on, struct coulomb *s)
 {
     return fails() ? DRAPE_ENOMEM : backend_ref.coulomb(on, s);
 }
 
 static int joint(struct world *w, struct joint *s)
 {
-    return fails() ? DRAPE_ENOMEM : backend_ref.joint(w, s);
+    return fails() ? DRAPE_ENOMEM : backend_ref.joint_solve(w, s);
 }
 
-static int retain(void *on, struct retain *s)
+static int retain(struct gpu *on, struct retain *s)
 {
     return fails() ? DRAPE_ENOMEM : backend_ref.retain(on, s);
 }
 
-static int audit(void *on, struct audit *s)
+static int audit(struct gpu *on, struct audit *s)
 {
     return uncounted ? DRAPE_ENOMEM : backend_ref.audit(on, s);
 }
@@ -61,7 +61,7 @@ static void make_failing(struct world *w)
     failing = backend_ref;
     failing.motion = motion;
     failing.coulomb = coulomb;
-    failing.joint = joint;
+    failing.joint_solve = joint;
     failing.retain = retain;
     failing.audit = audit;
     w->run = &failing;
@@ -78,7 +78,8 @@ static const char *check_books(drape_world *world, const drape_step_report *r)
     for (int k = 0; k < w->def.n_cloths; k++) {
         struct sheet *s = &w->sheet[k];
         double e[3];
-        backend_ref.energy(w->on, s, w->x0 + s->first, w->v0 + s->first, e);
+        backend_ref.motion_energy(w->on, s, w->x0 + s->first, w->v0 + s->first,
+                                  e);
         for (int j = 0; j < 3; j++)
             sum[j] += e[j];
     }

@@ -31,17 +31,17 @@ static int broad(void *user, const uint8_t *touched, struct pairs *out)
     return left-- > 0 ? broad_spoilt(user, touched, out) : DRAPE_ENOMEM;
 }
 
-static int coulomb(void *on, struct coulomb *s)
+static int coulomb(struct gpu *on, struct coulomb *s)
 {
     return left-- > 0 ? backend_ref.coulomb(on, s) : DRAPE_ENOMEM;
 }
 
 static int joint(struct world *w, struct joint *s)
 {
-    return left-- > 0 ? backend_ref.joint(w, s) : DRAPE_ENOMEM;
+    return left-- > 0 ? backend_ref.joint_solve(w, s) : DRAPE_ENOMEM;
 }
 
-static int retain(void *on, struct retain *s)
+static int retain(struct gpu *on, struct retain *s)
 {
     return left-- > 0 ? backend_ref.retain(on, s) : DRAPE_ENOMEM;
 }
@@ -50,7 +50,7 @@ static void make_failing(struct world *w)
 {
     failing = backend_ref;
     failing.coulomb = coulomb;
-    failing.joint = joint;
+    failing.joint_solve = joint;
     failing.retain = retain;
     w->run = &failing;
     w->response.broad = broad;

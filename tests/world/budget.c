@@ -97,7 +97,7 @@ const char *test_world_made(void)
 /* Motions that diverge before one does not. */
 static int diverging;
 
-static int diverge(void *on, struct sheet *s)
+static int diverge(struct gpu *on, struct sheet *s)
 {
     int status = backend_ref.motion(on, s);
     s->dynamics.outcome |= diverging-- > 0 ? DRAPE_DIVERGED : 0;

@@ -66,7 +66,7 @@ static struct {
 } rounds;
 
 /* response.md §4: 8 iterations in the first two rounds, then 16, 24 … */
-static int hear_contacts(void *on, struct contacts *s)
+static int hear_contacts(struct gpu *on, struct contacts *s)
 {
     int round = rounds.of->rounds;
     rounds.calls++;

@@ -25,7 +25,7 @@ static void note_motion(const struct sheet *s)
     }
 }
 
-static int hear_motion(void *on, struct sheet *s)
+static int hear_motion(struct gpu *on, struct sheet *s)
 {
     int status = backend_ref.motion(on, s);
     note_motion(s);
@@ -34,7 +34,7 @@ static int hear_motion(void *on, struct sheet *s)
 }
 
 /* The loop of contacts ends a motion in its own way. */
-static int hear_part(void *on, struct sheet *s, int part)
+static int hear_part(struct gpu *on, struct sheet *s, int part)
 {
     int status = backend_ref.motion_part(on, s, part);
     if (part == MOTION_END) {
@@ -44,7 +44,7 @@ static int hear_part(void *on, struct sheet *s, int part)
     return status;
 }
 
-static int hear_history(void *on, struct history *h)
+static int hear_history(struct gpu *on, struct history *h)
 {
     size_t bytes = (size_t)h->count * sizeof *h->x;
     heard.pasts++;
@@ -53,11 +53,11 @@ static int hear_history(void *on, struct history *h)
     return backend_ref.history(on, h);
 }
 
-static void hear_energy(void *on, struct sheet *s, const vec *x, const vec *v,
-                        double value[3])
+static void hear_energy(struct gpu *on, struct sheet *s, const vec *x,
+                        const vec *v, double value[3])
 {
     heard.energies++;
-    backend_ref.energy(on, s, x, v, value);
+    backend_ref.motion_energy(on, s, x, v, value);
 }
 
 /* Makes a world that a listening backend steps. */
@@ -69,7 +69,7 @@ static struct world *make_heard(const drape_def *def, struct arena *arena)
     ear.motion = hear_motion;
     ear.motion_part = hear_part;
     ear.history = hear_history;
-    ear.energy = hear_energy;
+    ear.motion_energy = hear_energy;
     if (w)
         w->run = &ear;
     return w;
@@ -138,7 +138,7 @@ static const char *check_energy(const struct slab *d, int *met)
         double e[3];
         EXPECT(step_heard(w[0], &r) == DRAPE_OK && r.work.tries == 1);
         EXPECT(heard.energies == w[0]->met);
-        backend_ref.energy(w[0]->on, w[0]->sheet, w[0]->x0, w[0]->v0, e);
+        backend_ref.motion_energy(w[0]->on, w[0]->sheet, w[0]->x0, w[0]->v0, e);
         EXPECT(r.kinetic == e[0] && r.elastic == e[1] && r.potential == e[2]);
         EXPECT(step_heard(w[1], NULL) == DRAPE_OK);
         EXPECT(heard.motions + heard.loops > 0);

@@ -1,0 +1,245 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Cuts the panels of a sewing pattern, and says of each what cannot be cut, or
+ * not as drawn. */
+#include "app/scene/garment.h"
+#include "app/base/app.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* A strap of fewer cells is told of. */
+enum { FEW = 3 };
+/* Chords stay within this part of a cell of their curves. */
+static const double chord_error = 1e-3;
+
+/* The file's number of the edge at this place of the loop. */
+static int number(const struct garment_panel *p, int place)
+{
+    return p->panel->loop[place].edge;
+}
+
+static int refuse_crossing(const struct garment *g,
+                           const struct garment_panel *p,
+                           const struct outline_pair *pair)
+{
+    double unit = g->pattern->unit;
+    int a = number(p, pair->edge[0]), b = number(p, pair->edge[1]);
+    if (a == b)
+        return complain(APP_USAGE,
+                        "%s: panel %s: edge %d crosses or touches itself near "
+                        "(%.4g, %.4g)",
+                        g->pattern->file, p->panel->name, a, pair->x[0] * unit,
+                        pair->x[1] * unit);
+    return complain(APP_USAGE,
+                    "%s: panel %s: edges %d and %d cross or touch near "
+                    "(%.4g, %.4g)",
+                    g->pattern->file, p->panel->name, a, b, pair->x[0] * unit,
+                    pair->x[1] * unit);
+}
+
+/* Refuses a strap narrower than a cell. */
+static int check_width(const struct garment *g, struct garment_panel *p)
+{
+    if (outline_narrow(&p->outline, FEW * g->h, &p->strap, &p->gap) ==
+        OUTLINE_MEMORY)
+        return complain(APP_FAILED, "out of memory");
+    if (!(p->strap.width < g->h * (1 - 1e-9)))
+        return APP_OK;
+    return complain(APP_USAGE,
+                    "%s: panel %s: the strap between edges %d and %d is %.3g "
+                    "mm wide, which is less than a cell of %.3g mm",
+                    g->pattern->file, p->panel->name,
+                    number(p, p->strap.edge[0]), number(p, p->strap.edge[1]),
+                    1e3 * p->strap.width, 1e3 * g->h);
+}
+
+/* Tells of straps of few cells, and of gaps that cells may close. */
+static void tell_width(const struct garment *g, const struct garment_panel *p)
+{
+    const char *file = g->pattern->file, *name = p->panel->name;
+    if (p->strap.width < INFINITY)
+        complain(APP_OK,
+                 "%s: panel %s: the strap between edges %d and %d is %.2g "
+                 "cells wide",
+                 file, name, number(p, p->strap.edge[0]),
+                 number(p, p->strap.edge[1]), p->strap.width / g->h);
+    if (p->gap.width < g->h)
+        complain(APP_OK,
+                 "%s: panel %s: the gap between edges %d and %d is %.2g cells "
+                 "wide, and may not be cut there",
+                 file, name, number(p, p->gap.edge[0]),
+                 number(p, p->gap.edge[1]), p->gap.width / g->h);
+}
+
+/* The edge that is nearest to a point. */
+static int nearest_edge(const struct garment_panel *p, const double x[2])
+{
+    double best = INFINITY, near[2];
+    int edge = 0;
+    for (int k = 0; k < p->outline.n; k++) {
+        double d =
+            segment_distance(x, p->outline.x[k], p->outline.x[k + 1], near);
+        if (d < best) {
+            best = d;
+            edge = p->outline.of[k];
+        }
+    }
+    return number(p, edge);
+}
+
+static int refuse_cut(const struct garment *g, const struct garment_panel *p,
+                      enum cut_status status, const double x[2])
+{
+    const char *file = g->pattern->file, *name = p->panel->name;
+    double unit = g->pattern->unit;
+    switch (status) {
+    case CUT_NONE:
+        return complain(APP_USAGE,
+                        "%s: panel %s: no cell of %.3g mm fits into it", file,
+                        name, 1e3 * g->h);
+    case CUT_APART:
+        return complain(APP_USAGE,
+                        "%s: panel %s: by cells of %.3g mm it falls apart at "
+                        "(%.4g, %.4g), where edge %d is",
+                        file, name, 1e3 * g->h, x[0] * unit, x[1] * unit,
+                        nearest_edge(p, x));
+    case CUT_LARGE:
+        return complain(APP_USAGE,
+                        "%s: panel %s: cells of %.3g mm are too many; at most "
+                        "%d particles a panel",
+                        file, name, 1e3 * g->h, CUT_MOST);
+    default:
+        return complain(APP_FAILED, "out of memory");
+    }
+}
+
+bool garment_ends(const struct garment_panel *panel, int place, int32_t end[2])
+{
+    end[0] = panel->cut.corner[place];
+    end[1] = panel->cut.corner[(place + 1) % panel->panel->edges];
+    return end[0] != end[1];
+}
+
+/* Tells of edges that have no length in cells, and of the corners that no cell
+ * reaches. */
+static void tell_lost(const struct garment *g, const struct garment_panel *p)
+{
+    const char *file = g->pattern->file, *name = p->panel->name;
+    for (int k = 0; k < p->panel->edges; k++) {
+        int32_t end[2];
+        int edge = number(p, k), stitch = p->panel->edge[edge].stitch;
+        double length = 1e3 * curve_length(&p->panel->outline[k]);
+        if (!garment_ends(p, k, end) && stitch >= 0)
+            complain(APP_OK,
+                     "%s: panel %s: edge %d, %.2g mm long, is too short for "
+                     "cells, and with it goes stitch %d",
+                     file, name, edge, length, stitch);
+        else if (end[0] == end[1])
+            complain(APP_OK,
+                     "%s: panel %s: edge %d, %.2g mm long, is too short for "
+                     "cells",
+                     file, name, edge, length);
+        if (p->cut.kind[end[0]] == CUT_OUT)
+            complain(APP_OK,
+                     "%s: panel %s: no cell reaches the corner where edge %d "
+                     "meets edge %d",
+                     file, name,
+                     number(p, (k + p->panel->edges - 1) % p->panel->edges),
+                     edge);
+    }
+}
+
+static int cut_panel(const struct garment *g, struct garment_panel *p)
+{
+    struct outline_pair pair;
+    double x[2] = {0, 0};
+    if (!outline_make(&p->outline, p->panel->outline, p->panel->edges,
+                      chord_error * g->h, g->h))
+        return complain(APP_FAILED, "out of memory");
+    enum outline_answer crosses = outline_crosses(&p->outline, &pair);
+    if (crosses == OUTLINE_MEMORY)
+        return complain(APP_FAILED, "out of memory");
+    if (crosses == OUTLINE_YES)
+        return refuse_crossing(g, p, &pair);
+    int status = check_width(g, p);
+    if (status != APP_OK)
+        return status;
+    enum cut_status cut = cut_make(&p->cut, &p->outline, g->h, x);
+    return cut == CUT_OK ? APP_OK : refuse_cut(g, p, cut, x);
+}
+
+int garment_cut(struct garment *garment, const struct pattern *pattern,
+                double h)
+{
+    *garment = (struct garment){.pattern = pattern, .h = h};
+    garment->panel = calloc((size_t)pattern->panels, sizeof *garment->panel);
+    if (!garment->panel)
+        return complain(APP_FAILED, "out of memory");
+    int status = APP_OK;
+    for (int k = 0; k < pattern->panels && status == APP_OK; k++) {
+        garment->panel[k].panel = &pattern->panel[k];
+        status = cut_panel(garment, &garment->panel[k]);
+    }
+    /* a refusal stands alone */
+    for (int k = 0; k < pattern->panels && status == APP_OK; k++) {
+        tell_width(garment, &garment->panel[k]);
+        tell_lost(garment, &garment->panel[k]);
+    }
+    return status;
+}
+
+void garment_free(struct garment *garment)
+{
+    for (int k = 0; garment->panel && k < garment->pattern->panels; k++) {
+        outline_free(&garment->panel[k].outline);
+        cut_free(&garment->panel[k].cut);
+    }
+    free(garment->panel);
+    garment->panel = NULL;
+}
+
+void garment_count(const struct garment_panel *panel, int *count)
+{
+    const struct cut *cut = &panel->cut;
+    for (int k = 0; k < panel->panel->edges; k++) {
+        int32_t end[2];
+        bool there = garment_ends(panel, k, end);
+        count[number(panel, k)] = (there && cut->kind[end[0]] == CUT_CORNER) +
+                                  (there && cut->kind[end[1]] == CUT_CORNER);
+    }
+    for (int64_t p = 0; p < (int64_t)cut->m * cut->n; p++)
+        if (cut->kind[p] == CUT_BORDER)
+            count[number(panel, panel->outline.of[cut->chord[p]])]++;
+}
+
+void garment_lengths(const struct pattern *pattern,
+                     const struct pattern_stitch *stitch, double length[2])
+{
+    for (int k = 0; k < 2; k++) {
+        const struct pattern_panel *panel =
+            &pattern->panel[stitch->side[k].panel];
+        length[k] = curve_length(&panel->edge[stitch->side[k].edge].curve);
+    }
+}
+
+/* Turns two coordinates by an angle in degrees. */
+static void turn(double *a, double *b, double degrees)
+{
+    double angle = degrees * acos(-1) / 180;
+    double x = *a, y = *b;
+    *a = cos(angle) * x - sin(angle) * y;
+    *b = sin(angle) * x + cos(angle) * y;
+}
+
+void garment_place(const struct pattern_panel *panel, const double x[2],
+                   double out[3])
+{
+    out[0] = x[0];
+    out[1] = x[1];
+    out[2] = 0;
+    turn(&out[1], &out[2], panel->turn[0]);
+    turn(&out[2], &out[0], panel->turn[1]);
+    turn(&out[0], &out[1], panel->turn[2]);
+    for (int i = 0; i < 3; i++)
+        out[i] += panel->at[i];
+}

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The panels of a sewing pattern, cut: app/patterns/README.md. */
+#ifndef APP_SCENE_GARMENT_H
+#define APP_SCENE_GARMENT_H
+
+#include "app/base/cut.h"
+#include "app/read/pattern.h"
+
+struct garment_panel {
+    const struct pattern_panel *panel;
+    struct outline outline;
+    struct cut cut;
+    struct outline_pair strap, gap; /* the narrowest; width INFINITY: none */
+};
+
+struct garment {
+    const struct pattern *pattern;
+    double h;                    /* m, side of a cell */
+    struct garment_panel *panel; /* [pattern->panels] */
+};
+
+/* Cuts all panels. Returns app_exit; a failure prints one line, and what will
+ * be less exact than the outline prints a note each. The caller uses
+ * garment_free in any case; the pattern must live as long. */
+int garment_cut(struct garment *garment, const struct pattern *pattern,
+                double h);
+void garment_free(struct garment *garment);
+
+/* The edge of a panel by its place in the panel's loop, and the particles at
+ * its two ends; false where they are one, so that it has no length. */
+bool garment_ends(const struct garment_panel *panel, int place, int32_t end[2]);
+/* The number of border particles on each edge of a panel, its ends among
+ * them. count: [edges] in the file's order */
+void garment_count(const struct garment_panel *panel, int *count);
+/* Lengths of a stitch's sides by the pattern, m. */
+void garment_lengths(const struct pattern *pattern,
+                     const struct pattern_stitch *stitch, double length[2]);
+/* Where the pattern places a point of a panel, m. */
+void garment_place(const struct pattern_panel *panel, const double x[2],
+                   double out[3]);
+
+#endif
