@@ -4,7 +4,8 @@
 usage: lines.py PAGE.md…      blocks of Python; where a block of text follows one
                               directly, that is what it prints
        lines.py --write PAGE.md… writes what they print into these blocks of text, and
-                              gives one to each block of Python that prints
+                              gives one to each block of Python that prints; and what
+                              the included examples print (tests/test_examples.py)
        lines.py --sh PAGE.md… the commands `drape` of blocks of the shell, in a short
                               form: two frames, small pictures, and `drape view`
                               until it serves. All others are listed.
@@ -55,20 +56,37 @@ class Block:
     printed: str = ""
 
 
+# A block of text may follow what prints it.
+PRINTED = r"(?:\n```text\n(.*?)^```\n)?"
+INCLUDED = (
+    r"^```{literalinclude} (\S+/examples/\S+\.py)\n:.*?^```\n\n[^\n]+\n" + PRINTED
+)
+
+
 def blocks(page: str, language: str) -> list[Block]:
     """Returns a page's blocks of a language."""
     text = Path(page).read_text(encoding="utf-8")
-    pattern = rf"^```{language}\n(.*?)^```\n(?:\n```text\n(.*?)^```\n)?"
+    pattern = rf"^```{language}\n(.*?)^```\n" + PRINTED
     found = re.finditer(pattern, text, re.MULTILINE | re.DOTALL)
     return [
         Block(page, k, each[1], each[2], each.end()) for k, each in enumerate(found, 1)
     ]
 
 
+def included(page: str) -> list[Block]:
+    """Returns the examples that a page includes, which are no blocks of its own."""
+    text = Path(page).read_text(encoding="utf-8")
+    made = []
+    for each in re.finditer(INCLUDED, text, re.MULTILINE | re.DOTALL):
+        code = (Path(page).parent / each[1]).read_text(encoding="utf-8")
+        made.append(Block(page, 0, code, each[2], each.end()))
+    return made
+
+
 def write(page: str, made: list[Block]) -> None:
     """Writes what the blocks of a page have printed into it."""
     text = Path(page).read_text(encoding="utf-8")
-    for block in reversed(made):
+    for block in sorted(made, key=lambda block: -block.end):
         tail = f"\n```text\n{block.shown}```\n" if block.shown is not None else ""
         new = f"\n```text\n{block.printed}```\n" if block.printed else ""
         start = block.end - len(tail)
@@ -119,6 +137,9 @@ def main(arguments: list[str]) -> int:
     language = "sh" if option == "--sh" else "python"
     pages = arguments[1:] if option else arguments
     jobs = {page: blocks(page, language) for page in pages}
+    if option == "--write":
+        for page in pages:
+            jobs[page] += included(page)
     all_ = [block for page in pages for block in jobs[page]]
     with ThreadPoolExecutor(2) as pool:
         shown = option != "--write"

@@ -7,6 +7,7 @@ usage: loop.py
 
 from __future__ import annotations
 
+import sys
 import time
 
 import numpy as np
@@ -43,7 +44,7 @@ def main() -> float:
     last = np.array(forces[RATE:])
     print(f"asked for {WANTED} N; pressed with {last.mean():.3f} ± {last.std():.3f} N")
     print(f"the ball is {-world.pose('ball').position[1]:.3f} m lower")
-    print(f"{2 * RATE / took:.0f} steps a second here")
+    print(f"{2 * RATE / took:.0f} steps a second here", file=sys.stderr)
     return float(abs(last.mean() - WANTED))
 
 
