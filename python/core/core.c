@@ -2,6 +2,7 @@
 /* Scenes and queries for the Python package: core.h. */
 #include "python/core/core.h"
 #include "app/base/app.h"
+#include "app/write/stretch.h"
 
 #include <stdarg.h>
 #include <stdlib.h>
@@ -84,6 +85,28 @@ int core_create(struct scene *scene, drape_world **world)
     if (status == APP_OK)
         scene_idle(scene, &none);
     return status;
+}
+
+int core_stretch(const struct scene *scene, const drape_world *world,
+                 double (*x)[3], int32_t (*tri)[3], double *most)
+{
+    int cloths = scene->def.n_cloths;
+    struct part *part = calloc((size_t)cloths, sizeof *part);
+    struct stretch *stretch = calloc((size_t)cloths, sizeof *stretch);
+    int status = part && stretch ? APP_OK : APP_FAILED;
+    if (status == APP_OK) {
+        const struct mesh mesh = {drape_first_vertex(world, cloths),
+                                  drape_first_triangle(world, cloths), x, tri};
+        for (int k = 0; k < cloths; k++)
+            part[k].nt = drape_first_triangle(world, k + 1) -
+                         drape_first_triangle(world, k);
+        stretch_look(stretch, scene->def.cloths, part, cloths, &mesh, 0);
+        for (int k = 0; k < cloths; k++)
+            most[k] = stretch[k].most;
+    }
+    free(part);
+    free(stretch);
+    return status == APP_OK ? status : complain(status, "out of memory");
 }
 
 int core_ccd(int kind, int64_t n, const double (*x0)[4][3],

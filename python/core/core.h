@@ -24,6 +24,12 @@ void core_free(struct scene *scene);
  * The scene must outlive the world. */
 int core_create(struct scene *scene, drape_world **world);
 
+/* Sets most[k] to the largest length of a side of a cell of cloth k by its
+ * length at rest (app/write/stretch.h), with all vertices at x and the
+ * triangles of drape_read_triangles. Returns the tool's exit code. */
+int core_stretch(const struct scene *scene, const drape_world *world,
+                 double (*x)[3], int32_t (*tri)[3], double *most);
+
 /* app/scene/fabrics.h */
 const char *fabric_at(int k, drape_material *out, const char **what);
 

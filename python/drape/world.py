@@ -337,8 +337,11 @@ class World(Pinning, Bodies, Saved, Closing):
         """Warns of cloths that are stretched too far. The state is not copied from a
         device for it."""
         if self.backend == "ref":
-            x = SharedArray(self._open(), "x")
-            self._stretch.look(self.steps, x, self._triangles, self.bodies)
+            handle = self._open()
+            with handle.lock:
+                self._stretch.look(
+                    self.steps, handle, self.read, self._triangles, self.bodies
+                )
 
     @property
     def _is_plain(self) -> bool:
