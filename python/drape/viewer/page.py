@@ -67,13 +67,17 @@ class _Shape:
             f"{self.path}/wires", x, faces, color=dark, wireframe=True, visible=False
         )
         self.strain: Any = None
-        self.on_drag: Callable[[Any], None] | None = None
+        self.dragged = False
+        """Whether the mouse may drag it."""
 
     def place(self, x: NDArray[Any], wires: bool, limit: float | None) -> None:
         """Shows the body at these positions; with colours of strain up to a limit."""
         strained = limit is not None and self.body.uv is not None
-        self.surface.visible = not (strained or self.ground)
-        if not strained:
+        # a surface that is dragged takes the mouse, clear over the colours of strain
+        clear = strained and self.dragged
+        self.surface.visible = not self.ground and (clear or not strained)
+        self.surface.opacity = 0.0 if clear else None
+        if self.surface.visible:
             self.surface.vertices = x
         if wires:
             self.wires.vertices = x
@@ -84,8 +88,6 @@ class _Shape:
             data = snapshot(x, normal, self.body.faces, rgb)
             if self.strain is None:
                 self.strain = self.server.scene.add_glb(f"{self.path}/strain", data)
-                if self.on_drag is not None:
-                    self.on_drag(self.strain)
             else:
                 self.strain.glb_data = data
         if self.strain is not None:
@@ -150,11 +152,8 @@ class Page:
         if shape.body.kind == "obstacle" and (shape.body.moving or not shape.small):
             return
 
-        def drag(handle: Any) -> None:
-            touch.drag(handle, shape.number)
-
-        shape.on_drag = drag
-        drag(shape.surface)
+        shape.dragged = True
+        touch.drag(shape.surface, shape.number)
 
     def _controls(self) -> None:
         gui, count = self.server.gui, len(self.frames)
