@@ -63,7 +63,7 @@ int pattern_read_stitches(struct json *json, struct json_t *node,
                           struct pattern *pattern);
 /* Reads the members of an object by a table; a member that the table has not
  * is left alone, as other programs put their own there, and so is one that is
- * null. needed: NULL-terminated, which must be there. */
+ * null. needed: NULL-terminated, which must be there and not null. */
 struct json_key;
 int pattern_members(struct json *json, struct json_t *node,
                     const struct json_key *keys, void *base,
