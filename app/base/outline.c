@@ -205,11 +205,11 @@ enum outline_answer outline_narrow(const struct outline *outline, double width,
             lo[i] = bucket_of(&by, i, x[i] - width);
             hi[i] = bucket_of(&by, i, x[i] + width);
         }
-        for (int q = lo[0] + by.m * lo[1]; q <= hi[0] + by.m * hi[1]; q++) {
-            if (q % by.m > hi[0] || q % by.m < lo[0])
-                continue;
-            for (int64_t f = by.first[q]; f < by.first[q + 1]; f++)
-                look(o, k, by.item[f], strap, gap);
+        for (int j = lo[1]; j <= hi[1]; j++) {
+            int64_t a = by.first[lo[0] + by.m * j];
+            int64_t b = by.first[hi[0] + by.m * j + 1];
+            for (; a < b; a++)
+                look(o, k, by.item[a], strap, gap);
         }
     }
     buckets_free(&by);

@@ -31,9 +31,11 @@ int pattern_members(struct json *json, json_t *node,
 {
     if (!json_is_object(node))
         return json_refuse(json, "expected an object { … }");
-    for (; needed && *needed; needed++)
-        if (!json_object_get(node, *needed))
+    for (; needed && *needed; needed++) {
+        json_t *item = json_object_get(node, *needed);
+        if (!item || json_is_null(item))
             return json_refuse(json, "has no \"%s\"", *needed);
+    }
     int status = APP_OK;
     for (; status == APP_OK && keys->name; keys++) {
         json_t *item = json_object_get(node, keys->name);

@@ -8,7 +8,7 @@
 
 struct pattern_edge {
     struct curve curve; /* m, from its first end to its second by the file */
-    const char *label;  /* NULL: none */
+    char *label;        /* NULL: none */
     int end[2];         /* vertices */
     int stitch;         /* that it is a side of; -1: none */
 };
@@ -20,8 +20,8 @@ struct pattern_turn {
 };
 
 struct pattern_panel {
-    const char *name, *label; /* label NULL: none */
-    double at[3], turn[3];    /* m; degrees about x, then y, then z */
+    char *name, *label;    /* label NULL: none */
+    double at[3], turn[3]; /* m; degrees about x, then y, then z */
     int vertices, edges;
     double (*vertex)[2];       /* m */
     struct pattern_edge *edge; /* in the file's order */
@@ -63,7 +63,7 @@ int pattern_read_stitches(struct json *json, struct json_t *node,
                           struct pattern *pattern);
 /* Reads the members of an object by a table; a member that the table has not
  * is left alone, as other programs put their own there, and so is one that is
- * null. needed: NULL-terminated, which must be there. */
+ * null. needed: NULL-terminated, which must be there and not null. */
 struct json_key;
 int pattern_members(struct json *json, struct json_t *node,
                     const struct json_key *keys, void *base,

@@ -29,6 +29,17 @@ struct curvature {
 
 static const char *const curve_names[] = {"quadratic", "cubic", "circle", NULL};
 
+/* A label; an empty one is none. */
+static int read_label(struct json *json, json_t *node, void *out)
+{
+    const char *text = json_string_value(node);
+    if (!text)
+        return json_refuse(json, "expected a text");
+    *(char **)out = *text ? pool_text(json->pool, text) : NULL;
+    return !*text || *(char **)out ? APP_OK
+                                   : complain(APP_FAILED, "out of memory");
+}
+
 static int read_point(struct json *json, json_t *node, void *out)
 {
     const struct json_key key = {
@@ -184,7 +195,7 @@ static int read_edge(struct json *json, json_t *node, void *out)
     static const struct json_key keys[] = {
         NESTED_KEY("endpoints", 0, read_ends),
         NESTED_KEY("curvature", 0, read_curvature),
-        TEXT_KEY("label", offsetof(struct pattern_edge, label)),
+        NESTED_KEY("label", offsetof(struct pattern_edge, label), read_label),
         {0}};
     ((struct pattern_edge *)out)->stitch = -1;
     return pattern_members(json, node, keys, out, needed);
@@ -213,7 +224,7 @@ int pattern_read_panel(struct json *json, json_t *node,
                    3),
         VECTOR_KEY("rotation", offsetof(struct pattern_panel, turn), -1e7, 1e7,
                    3),
-        TEXT_KEY("label", offsetof(struct pattern_panel, label)),
+        NESTED_KEY("label", offsetof(struct pattern_panel, label), read_label),
         {0}};
     struct reading reading = {panel, absolute};
     void *user = json->user;

@@ -238,8 +238,9 @@ def check_arcs(drape, work):
 
 def check_square(drape, work):
     """A square of whole cells is a grid without an odd cell, in its place."""
-    square = {"vertices": [[3, 4], [13, 4], [13, 24], [3, 24]], "label": "a, \"b\"",
-              "edges": [{"endpoints": [k, (k + 1) % 4]} for k in range(4)],
+    square = {"vertices": [[3, 4], [13, 4], [13, 24], [3, 24]], "label": "a, \"b\"", "unknown": {"label": 3},
+              "edges": [{"endpoints": [k, (k + 1) % 4], "label": "", "curvature": None}
+                        for k in range(4)],
               "translation": [10, 20, 30], "rotation": [90, 0, 90]}
     path, out = os.path.join(work, "square.json"), os.path.join(work, "square")
     write(path, {"a/../b": square})

@@ -74,6 +74,7 @@ front["vertices"] = [[0, 0], [10, 0]]
 front["edges"] = [{"endpoints": [0, 1]}, {"endpoints": [1, 0]}]'
 broken 'one edge' "$front.edges: expected at least 2 edges" 'del edges[1:]'
 broken 'no edges' "$front: has no \"edges\"" 'del front["edges"]'
+broken 'edges that are null' "$front: has no \"edges\"" 'front["edges"] = None'
 broken 'no endpoints' "$front.edges[2]: has no \"endpoints\"" 'del edges[2]["endpoints"]'
 broken 'no panels' "\$.pattern: has no \"panels\"" 'del pattern["panels"]'
 broken 'no panel' "\$.pattern.panels: expected an object of 1 to 1000 panels" \
