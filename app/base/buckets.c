@@ -96,5 +96,5 @@ double segment_distance(const double x[2], const double a[2], const double b[2],
     t = t < 0 ? 0 : t > 1 ? 1 : t;
     near[0] = a[0] + t * d[0];
     near[1] = a[1] + t * d[1];
-    return hypot(x[0] - near[0], x[1] - near[1]);
+    return plane_length(x[0] - near[0], x[1] - near[1]);
 }

@@ -12,7 +12,7 @@ bool curve_arc(struct curve *curve, double radius, bool large,
                bool counter_clockwise)
 {
     double dx = curve->b[0] - curve->a[0], dy = curve->b[1] - curve->a[1];
-    double chord = hypot(dx, dy);
+    double chord = plane_length(dx, dy);
     if (!(radius > 0) || !(chord <= 2 * radius * (1 + slack)))
         return false;
     double sine = chord / (2 * radius);
@@ -93,7 +93,7 @@ static const double weight[5] = {0.118463442528095, 0.239314335249683,
 
 static double radius_of(const struct curve *arc)
 {
-    return hypot(arc->a[0] - arc->c[0], arc->a[1] - arc->c[1]);
+    return plane_length(arc->a[0] - arc->c[0], arc->a[1] - arc->c[1]);
 }
 
 double curve_length(const struct curve *curve)
@@ -101,12 +101,13 @@ double curve_length(const struct curve *curve)
     enum { PARTS = 32 };
     double sum = 0, x[2], dx[2];
     if (curve->type == CURVE_LINE)
-        return hypot(curve->b[0] - curve->a[0], curve->b[1] - curve->a[1]);
+        return plane_length(curve->b[0] - curve->a[0],
+                            curve->b[1] - curve->a[1]);
     if (curve->type == CURVE_ARC)
         return radius_of(curve) * fabs(curve->turn);
     for (int k = 0; k < 5 * PARTS; k++) {
         bezier(curve, (k / 5 + at[k % 5]) / PARTS, x, dx);
-        sum += weight[k % 5] * hypot(dx[0], dx[1]) / PARTS;
+        sum += weight[k % 5] * plane_length(dx[0], dx[1]) / PARTS;
     }
     return sum;
 }
@@ -137,9 +138,10 @@ static double largest_bend(const struct curve *curve)
     if (curve->type == CURVE_ARC)
         return radius_of(curve) * curve->turn * curve->turn;
     if (curve->type == CURVE_QUADRATIC)
-        return 2 * hypot(a[0] - 2 * c[0] + b[0], a[1] - 2 * c[1] + b[1]);
-    return 6 * fmax(hypot(a[0] - 2 * c[0] + d[0], a[1] - 2 * c[1] + d[1]),
-                    hypot(c[0] - 2 * d[0] + b[0], c[1] - 2 * d[1] + b[1]));
+        return 2 * plane_length(a[0] - 2 * c[0] + b[0], a[1] - 2 * c[1] + b[1]);
+    return 6 *
+           fmax(plane_length(a[0] - 2 * c[0] + d[0], a[1] - 2 * c[1] + d[1]),
+                plane_length(c[0] - 2 * d[0] + b[0], c[1] - 2 * d[1] + b[1]));
 }
 
 int curve_chords(const struct curve *curve, double error, double longest)

@@ -4,6 +4,7 @@
 #ifndef APP_BASE_CURVE_H
 #define APP_BASE_CURVE_H
 
+#include <math.h>
 #include <stdbool.h>
 
 enum curve_type { CURVE_LINE, CURVE_QUADRATIC, CURVE_CUBIC, CURVE_ARC };
@@ -14,6 +15,12 @@ struct curve {
     double c[2], d[2]; /* control points; of an arc, c is its centre */
     double turn;       /* of an arc: its angle, counter-clockwise, rad */
 };
+
+/* √(x² + y²). hypot would ask for glibc 2.35 at run time. */
+static inline double plane_length(double x, double y)
+{
+    return sqrt(x * x + y * y);
+}
 
 /* Makes the curve an arc from a to b, which are not the same point. The ends
  * of a circle's diameter may be apart by a thousandth more than the diameter,

@@ -92,8 +92,8 @@ static void find(struct cut *cut, const struct border *border, int k)
             if (cut->kind[p] != CUT_BORDER)
                 continue;
             int edge = outline->of[cut->chord[p]];
-            double d =
-                hypot(cut->x[p][0] - corner[0], cut->x[p][1] - corner[1]);
+            double d = plane_length(cut->x[p][0] - corner[0],
+                                    cut->x[p][1] - corner[1]);
             if ((edge == k || edge == before) && d < least) {
                 least = d;
                 best = p;

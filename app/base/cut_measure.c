@@ -92,7 +92,7 @@ static void count(struct cut *cut, const struct measure *b, const double x[2],
     double *off = &cut->off;
     for (int k = 0; k < b->tips; k++) {
         const struct tip *tip = &b->tip[k];
-        if (hypot(x[0] - tip->x[0], x[1] - tip->x[1]) < tip->radius)
+        if (plane_length(x[0] - tip->x[0], x[1] - tip->x[1]) < tip->radius)
             off = &cut->off_dart;
     }
     *off = fmax(*off, distance / cut->h);

@@ -27,7 +27,7 @@ static void finish(struct outline *o)
         o->lo[i] = o->hi[i] = o->x[0][i];
     for (int k = 0; k < o->n; k++) {
         const double *a = o->x[k], *b = o->x[k + 1];
-        o->s[k + 1] = o->s[k] + hypot(b[0] - a[0], b[1] - a[1]);
+        o->s[k + 1] = o->s[k] + plane_length(b[0] - a[0], b[1] - a[1]);
         for (int i = 0; i < 2; i++) {
             o->lo[i] = fmin(o->lo[i], a[i]);
             o->hi[i] = fmax(o->hi[i], a[i]);
@@ -156,7 +156,7 @@ enum outline_answer outline_crosses(const struct outline *outline,
 static void middle_of(const struct outline *o, int k, double x[2], double t[2])
 {
     const double *a = o->x[k], *b = o->x[k + 1];
-    double length = hypot(b[0] - a[0], b[1] - a[1]);
+    double length = plane_length(b[0] - a[0], b[1] - a[1]);
     for (int i = 0; i < 2; i++) {
         x[i] = (a[i] + b[i]) / 2;
         t[i] = length > 0 ? (b[i] - a[i]) / length : 0;

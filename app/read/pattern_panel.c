@@ -80,8 +80,8 @@ static int read_ends(struct json *json, json_t *node, void *out)
     const double *b = panel->vertex[edge->end[1]];
     memcpy(edge->curve.a, a, sizeof edge->curve.a);
     memcpy(edge->curve.b, b, sizeof edge->curve.b);
-    if (!(hypot(b[0] - a[0], b[1] - a[1]) >
-          1e-9 * (1 + hypot(a[0], a[1]) + hypot(b[0], b[1]))))
+    if (!(plane_length(b[0] - a[0], b[1] - a[1]) >
+          1e-9 * (1 + plane_length(a[0], a[1]) + plane_length(b[0], b[1]))))
         return json_refuse(json,
                            "the edge has no length: both ends are at "
                            "(%.6g, %.6g)",
@@ -103,7 +103,7 @@ static int read_control(struct json *json, json_t *node,
     bool absolute = reading->absolute;
     out[0] = absolute ? given[0] : curve->a[0] + given[0] * dx - given[1] * dy;
     out[1] = absolute ? given[1] : curve->a[1] + given[0] * dy + given[1] * dx;
-    if (!(hypot(out[0], out[1]) <= 10 * far))
+    if (!(plane_length(out[0], out[1]) <= 10 * far))
         return json_refuse(json, "the control point is too far away");
     return APP_OK;
 }
@@ -152,7 +152,7 @@ static int read_circle(struct json *json, json_t *params, struct curve *curve)
     if (!curve_arc(curve, radius, flags[0], flags[1]))
         return json_refuse(
             json, "a circle of radius %.6g has no chord of %.6g", radius,
-            hypot(curve->b[0] - curve->a[0], curve->b[1] - curve->a[1]));
+            plane_length(curve->b[0] - curve->a[0], curve->b[1] - curve->a[1]));
     return APP_OK;
 }
 

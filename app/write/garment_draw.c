@@ -54,8 +54,8 @@ static void put_point(const struct page *page, const char *before,
 
 static void put_curve(const struct page *page, const struct curve *curve)
 {
-    double radius =
-        1e3 * hypot(curve->a[0] - curve->c[0], curve->a[1] - curve->c[1]);
+    double radius = 1e3 * plane_length(curve->a[0] - curve->c[0],
+                                       curve->a[1] - curve->c[1]);
     switch (curve->type) {
     case CURVE_LINE:
         put_point(page, "L", curve->b);
