@@ -278,6 +278,7 @@ static void make_burst(struct slab *d, drape_cloth cloth[2], bool apart)
     slab_make(d, DRAPE_BW);
     d->def.n_obstacles = 0;
     d->def.max_slices = 2;
+    d->def.max_iterations = 100; /* so small numbers take a processor long */
     d->motion.time = times;
     d->motion.position = apart ? down : up;
     d->def.allow_intersecting = !apart;
@@ -337,14 +338,13 @@ static const char *check_burst(int integrator, bool apart, int *burst)
 
 const char *test_world_burst(void)
 {
-    int burst = 0; /* in most scenes by the one method or the other */
+    int burst = 0; /* steps, by one method at least */
     for (int k = 0; k < 6; k++) {
         const char *failed = check_burst(DRAPE_BW + k / 2, k % 2, &burst);
         if (failed)
             return failed;
         ran(1);
     }
-    /* in binary64 the loop finds an end in most of them */
-    EXPECT(REAL_BITS == 64 || burst > 2);
+    EXPECT(burst >= 2);
     return NULL;
 }
