@@ -130,10 +130,10 @@ int json_fields(struct json *json, json_t *node, const struct json_key *keys,
 {
     if (!json_is_object(node))
         return json_refuse(json, "expected an object { … }");
-    int status = json_check_keys(json, node, keys);
+    int status = json->foreign ? APP_OK : json_check_keys(json, node, keys);
     for (; status == APP_OK && keys->name; keys++) {
         json_t *item = json_object_get(node, keys->name);
-        if (!item)
+        if (!item || (json->foreign && json_is_null(item)))
             continue;
         size_t length = json_enter(json, ".%s", keys->name);
         status = json_value(json, item, keys, (char *)base + keys->offset);

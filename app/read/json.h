@@ -9,6 +9,7 @@
 #include "app/base/pool.h"
 
 #include <jansson.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
 
@@ -17,6 +18,8 @@ struct json {
     char where[256];   /* the path of the value being read, as $.a[0].b */
     struct pool *pool; /* owns the texts that are read */
     void *user;        /* for the readers of nested values */
+    bool foreign;      /* a file of another program, which has keys of its own
+                          and writes null for what is absent */
 };
 
 enum key_type {
@@ -78,7 +81,8 @@ struct json_key {
 int json_value(struct json *json, json_t *node, const struct json_key *key,
                void *out);
 /* Reads an object's keys in the table's order; an absent key leaves its field
- * unchanged. */
+ * unchanged. Of a foreign file other keys are left alone, and a key that is
+ * null is absent. */
 int json_fields(struct json *json, json_t *node, const struct json_key *keys,
                 void *base);
 /* Reads a list of at most `most` items by read(…, items + k·size). The items

@@ -29,24 +29,12 @@ int pattern_members(struct json *json, json_t *node,
                     const struct json_key *keys, void *base,
                     const char *const *needed)
 {
-    if (!json_is_object(node))
-        return json_refuse(json, "expected an object { … }");
-    for (; needed && *needed; needed++) {
+    for (; json_is_object(node) && *needed; needed++) {
         json_t *item = json_object_get(node, *needed);
         if (!item || json_is_null(item))
             return json_refuse(json, "has no \"%s\"", *needed);
     }
-    int status = APP_OK;
-    for (; status == APP_OK && keys->name; keys++) {
-        json_t *item = json_object_get(node, keys->name);
-        if (!item || json_is_null(item))
-            continue;
-        size_t length = json_enter(json, ".%s", keys->name);
-        status = json_value(json, item, keys, (char *)base + keys->offset);
-        if (status == APP_OK)
-            json_leave(json, length);
-    }
-    return status;
+    return json_fields(json, node, keys, base);
 }
 
 static void scale(struct pattern_panel *panel, double by)
@@ -189,7 +177,7 @@ static int read_pattern(struct json *json, json_t *node, void *out)
 static int read_properties(struct json *json, json_t *node, void *out)
 {
     (void)out;
-    return pattern_members(json, node, property_keys, json->user, NULL);
+    return json_fields(json, node, property_keys, json->user);
 }
 
 int pattern_load(struct pool *pool, const char *path, struct pattern *pattern)
@@ -200,8 +188,11 @@ int pattern_load(struct pool *pool, const char *path, struct pattern *pattern)
         NESTED_KEY("pattern", 0, read_pattern),
         {0}};
     struct properties properties = {0};
-    struct json json = {
-        .file = path, .where = "$", .pool = pool, .user = &properties};
+    struct json json = {.file = path,
+                        .where = "$",
+                        .pool = pool,
+                        .user = &properties,
+                        .foreign = true};
     *pattern = (struct pattern){.file = path};
     json_t *root = json_parse(path);
     if (!root)
@@ -210,7 +201,14 @@ int pattern_load(struct pool *pool, const char *path, struct pattern *pattern)
         json_object_get(json_object_get(root, "properties"), "units_in_meter");
     properties.unit = 100;
     bool told = unit && !json_is_null(unit);
-    int status = pattern_members(&json, root, keys, pattern, needed);
+    bool scene =
+        !json_object_get(root, needed[0]) && json_object_get(root, "cloths");
+    int status =
+        scene ? complain(APP_USAGE,
+                         "%s: is a scene, which `drape run` takes; expected a "
+                         "sewing pattern of GarmentCode",
+                         path)
+              : pattern_members(&json, root, keys, pattern, needed);
     pattern->unit = properties.unit;
     json_decref(root);
     if (status == APP_OK && !told)

@@ -61,9 +61,8 @@ int pattern_read_panel(struct json *json, struct json_t *node,
 int pattern_close(struct json *json, struct pattern_panel *panel);
 int pattern_read_stitches(struct json *json, struct json_t *node,
                           struct pattern *pattern);
-/* Reads the members of an object by a table; a member that the table has not
- * is left alone, as other programs put their own there, and so is one that is
- * null. needed: NULL-terminated, which must be there and not null. */
+/* Reads an object's keys as json_fields does. needed: NULL-terminated, those
+ * that must be there and not null. */
 struct json_key;
 int pattern_members(struct json *json, struct json_t *node,
                     const struct json_key *keys, void *base,

@@ -177,8 +177,8 @@ static int begin(struct scene *scene, const char *file)
 static const char *is_other(json_t *root)
 {
     if (json_object_get(json_object_get(root, "pattern"), "panels"))
-        return "is a sewing pattern of GarmentCode; drape cannot sew seams yet "
-               "(spec/limits.md)";
+        return "is a sewing pattern of GarmentCode, which `drape pattern` "
+               "cuts; drape cannot sew seams yet (spec/limits.md)";
     if (json_object_get(json_object_get(root, "asset"), "version"))
         return "is a glTF file; expected a scene, which names it as the mesh "
                "of an obstacle (app/scenes/README.md)";
@@ -188,7 +188,8 @@ static const char *is_other(json_t *root)
 /* Reads a scene's JSON, NULL if it has been refused, and deletes it. */
 static int load(struct scene *scene, json_t *root)
 {
-    struct json json = {scene->file, "$", &scene->pool, scene};
+    struct json json = {
+        .file = scene->file, .where = "$", .pool = &scene->pool, .user = scene};
     if (!root)
         return APP_USAGE;
     const char *other = is_other(root);

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# shellcheck shell=sh disable=SC2154
+# shellcheck shell=sh disable=SC2154,SC2016
 # Faults in scenes and meshes are refused; correct ones are read.
 # Read by tests/app.sh, whose functions it calls.
 
@@ -78,8 +78,11 @@ for code in UTF-16 UTF-16LE UTF-16BE; do
     refused "a mesh in $code" 'wide.off: is in UTF-16' audit wide.off
 done
 printf '{"pattern": {"panels": {}, "stitches": []}, "parameters": {}}' >garment.json
-refused 'a pattern of GarmentCode' 'garment.json: is a sewing pattern of GarmentCode' \
+refused 'a pattern of GarmentCode' \
+    'garment.json: is a sewing pattern of GarmentCode, which `drape pattern` cuts' \
     run garment.json
+refused 'a scene as a pattern' 'tiny.json: is a scene, which `drape run` takes' \
+    pattern tiny.json
 printf '#usda 1.0\n' >layer.usda
 printf 'PXR-USDC\000' >crate.usdc
 refused 'a layer of USD as a scene' 'layer.usda: is a USD file, which drape writes' \
