@@ -5,6 +5,7 @@ it beside PyPI's distribution `drape`, which is another project."""
 from __future__ import annotations
 
 import json
+import platform
 import re
 import subprocess
 import sys
@@ -37,6 +38,21 @@ def test_its_metadata() -> None:
     address = re.search(r'^repository-code: "?([^\s"]+)', cited, re.MULTILINE)
     listed = about.get_all("Project-URL") or []
     assert any(address[1] in each for each in listed) if address else not listed
+
+
+@needs_wheel
+def test_its_name_says_for_which_glibc_it_is() -> None:
+    """auditwheel, which has named it, finds the same of what is in it now."""
+    auditwheel = ROOT / "build/python/venv/bin/auditwheel"
+    if not auditwheel.exists():
+        pytest.skip(f"there is no {auditwheel}: make wheel")
+    told = subprocess.check_output([auditwheel, "show", WHEELS[0]], text=True)
+    tag = re.search(r'following\s+platform\s+tag:\s+"(\w+)"', told)
+    assert tag, told
+    name = f"drape_cloth-{drape.__version__}-cp310-abi3-{tag[1]}.whl"
+    assert WHEELS[0].name == name
+    if platform.libc_ver() == ("glibc", "2.36"):  # Debian 12, of which README tells
+        assert tag[1].startswith("manylinux_2_34_")
 
 
 @needs_wheel
