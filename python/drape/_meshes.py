@@ -25,6 +25,11 @@ def on_host(value: Any) -> NDArray[Any]:
     return np.asarray(value)
 
 
+def are_of(tri: NDArray[Any], count: int) -> bool:
+    """Whether triangles are of vertices 0 to count - 1."""
+    return bool(((tri >= 0) & (tri < count)).all())
+
+
 def ply(x: NDArray[Any], tri: NDArray[Any]) -> bytes:
     """Returns a mesh as a binary PLY, which keeps every bit: vertices [n, 3] m of 32
     or 64 bits, triangles [k, 3]."""

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from .errors import Error, SceneError
-from .export.console import FAILED, OK, USAGE, Parser, complain
+from .export.console import OK, USAGE, Parser, complain, say
 
 FOLDER = Path(__file__).with_name("share") / "drape/scenes"
 
@@ -50,13 +50,11 @@ def main(argv: Sequence[str]) -> int:
     given = parser.parse_args(argv)
     try:
         if given.folder is None:
-            print("\n".join(names()))
+            say("\n".join(names()))
             return OK
         made = copy(given.folder)
-    except OSError as error:
-        return complain(FAILED, f"examples: {error.filename}: {error.strerror}")
     except Error as error:
         return complain(USAGE, f"examples: {error}")
     if not given.quiet:
-        print(f"{given.folder}: {len(made)} files")
+        say(f"{given.folder}: {len(made)} files")
     return OK

@@ -16,13 +16,12 @@ from numpy.typing import NDArray
 from . import scene as scenes
 from ._core import ffi
 from ._define import read_scene
+from ._endings import ALEMBIC, NUMPY, USD
+from ._meshes import are_of
 from .errors import Error, SceneError
 
 Array = NDArray[Any]
 
-USD, ALEMBIC, NUMPY = (".usd", ".usda", ".usdc", ".usdz"), (".abc",), (".npz",)
-# Endings that the tool's own reader does not know.
-BEYOND = (*USD, *ALEMBIC, *NUMPY)
 FPS = 60  # frames a second that are read of an Alembic file, which has times alone
 
 
@@ -186,7 +185,7 @@ def _npz(file: Path) -> list[Mesh]:
         raise SceneError(f"{file}: {names[0]}: {x.shape}; expected n × 3 or f × n × 3")
     x = x[None] if x.ndim == 2 else x
     tri = scenes.array(faces, (None, 3), f"{file}: triangles", np.int32)
-    if len(tri) and not 0 <= tri.min() <= tri.max() < max(x.shape[1], _all(arrays)):
+    if not are_of(tri, max(x.shape[1], _all(arrays))):
         raise SceneError(f"{file}: triangles: expected vertices 0 to {x.shape[1] - 1}")
     dt = float(arrays.get("frame_dt", 1 / 60))
     if "body_vertices" not in arrays:

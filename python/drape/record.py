@@ -104,8 +104,7 @@ def picture(handle: Handle, path: Path, width: int, height: int, samples: int) -
     """Makes a picture of a world's state: a run of one frame, and the tool."""
     if path.suffix.lower() != ".png":
         raise Error(f"{path}: expected a name that ends in .png")
-    if not path.parent.is_dir():
-        raise Error(f"{path}: there is no folder {path.parent}")
+    _whole.need_folder(path)
     with tempfile.TemporaryDirectory(prefix="drape-") as folder:
         Recorder(handle, folder, ffi.new("core_run_how *")).close()
         tool.call(

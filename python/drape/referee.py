@@ -13,12 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import Error, SceneError
-from .export.console import FAILED, OK, USAGE, Parser, complain
+from .export.console import FAILED, FINDINGS, OK, USAGE, Parser, complain, say
 from .mesh import audit, ccd_mesh
 from .meshes import Mesh, read_meshes
 from .scene import array
-
-FINDINGS = 1  # app/base/app.h's app_exit
 
 
 @dataclass(frozen=True)
@@ -168,7 +166,7 @@ def _tell(name: str, triangles: int, found: list[Verdict], listed: bool) -> int:
                 words += (
                     f"; {each.passing} touch on the way from frame {each.frame - 1}"
                 )
-            print(words)
+            say(words)
     pairs = [each.pairs for each in found]
     bad = sum(count > 0 for count in pairs)
     words = f"{name}: {len(found)} frames, {bad} of them with intersecting pairs, "
@@ -178,5 +176,5 @@ def _tell(name: str, triangles: int, found: list[Verdict], listed: bool) -> int:
         bad = sum(count > 0 for count in ways)
         words += f"; {len(ways)} ways, {bad} of them with pairs that touch, "
         words += f"{sum(ways)} pairs"
-    print(words)
+    say(words)
     return FINDINGS if sum(pairs) + sum(ways) else OK

@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _meshes, _whole
+from ._endings import PYTHONS
 from .errors import SceneError
 
 # A list or an array of numbers.
@@ -488,7 +489,8 @@ class Scene(Keys):
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the scene as a file, which `World` and the tool take, and which
-        appears complete or not at all. Paths of meshes begin in its folder.
+        appears complete or not at all. Paths of meshes begin in its folder, which
+        must be there.
 
         Arrays go into files beside it, whose names begin as its own: obstacles of
         arrays as PLY, `positions` and `velocities` of cloths as NumPy's, which
@@ -497,6 +499,7 @@ class Scene(Keys):
         made = read(self)
         tree = json.loads(made.text)
         file = Path(path)
+        _whole.need_folder(file)
         for k, arrays in enumerate(made.cloths):
             for name, value in arrays.items():
                 beside = file.with_name(f"{file.stem}.cloth{k}.{name}.npy")
@@ -583,7 +586,7 @@ INSIDE: dict[type[Any], dict[str, type[Any]]] = {
 
 CLOTH_ARRAYS = ("positions", "velocities")
 # What is in a scene's file if it may have what the tool's reader does not know.
-BEYOND_THE_TOOL = ('"positions"', '"velocities"', ".usd", ".abc", ".npz")
+BEYOND_THE_TOOL = ('"positions"', '"velocities"', *PYTHONS)
 OBSTACLE_ARRAYS = ("vertices", "triangles", "vertex_frames", "frame_dt")
 # What a scene's file may say of an obstacle whose mesh is given by arrays.
 OBSTACLE_KEYS = ("name", "friction", "motion", "look")
@@ -685,12 +688,12 @@ def _take_cloth(k: int, body: Any) -> Arrays:
 def _take_obstacle(k: int, body: Any, folder: str) -> Arrays:
     """Takes an obstacle's arrays; the reader gets a plane in their place, which
     the world's definition never sees."""
-    from .meshes import BEYOND, Mesh, merged, read_meshes
+    from .meshes import Mesh, merged, read_meshes
 
     arrays = _take(body, OBSTACLE_ARRAYS)
     mesh = body.get("mesh") if isinstance(body, dict) else None
     path = isinstance(mesh, (str, os.PathLike))
-    if mesh is not None and (not path or str(mesh).lower().endswith(BEYOND)):
+    if mesh is not None and (not path or str(mesh).lower().endswith(PYTHONS)):
         where = f"obstacles[{k}].mesh"
         if arrays:
             raise SceneError(f"{where}: it has vertices, and so has {min(arrays)}")

@@ -274,6 +274,8 @@ def test_a_scene_is_saved(tmp_path: Path) -> None:
     assert ends[0] == ends[1]
     assert [each.name for each in tmp_path.iterdir()] == ["a.json"]
     assert drape.Scene.load(tmp_path / "a.json") == scene
+    with pytest.raises(drape.SceneError, match=r"b\.json: there is no folder .*none"):
+        scene.save(tmp_path / "none/b.json")
 
 
 def test_a_scene_is_saved_with_its_arrays(tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drape import _meshes, _whole
+from drape._endings import FRAME
 from drape.errors import Error
 from drape.export.run import Run
 
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
     from drape.world import World
 
 Data = dict[str, NDArray[Any]]
-# Endings of a file that has one frame.
-FRAME = (".ply", ".obj", ".off", ".stl", ".vtk", ".vtu")
 CELLS = (".vtk", ".vtu")  # those that say of each triangle which body it is of
 
 
@@ -152,8 +151,7 @@ def write_world(world: World, path: Path) -> None:
     """Writes a world's state now, by the file's ending."""
     kind = np.dtype(f"<f{world.precision // 8}")
     x, v = (each.astype(kind) for each in world.read())
-    if not path.parent.is_dir():
-        raise Error(f"{path}: there is no folder {path.parent}")
+    _whole.need_folder(path)
     data = of_world(world)
     if path.suffix.lower() == ".npz":
         time = np.array(world.time)

@@ -9,16 +9,15 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from drape import _whole
-from drape.errors import Error
+from drape._endings import FRAME
+from drape.errors import Error, SceneError
 from drape.export import arrays
-from drape.export.console import FAILED, OK, USAGE, Parser, complain, whole
+from drape.export.console import FAILED, OK, USAGE, Parser, complain, say, whole
 from drape.export.run import Run, RunError
 
 # By the file's ending: the module that writes it, and the package it needs.
 FORMATS = {
-    ".usdc": ("usd", "usd-core"),
-    ".usda": ("usd", "usd-core"),
-    ".usd": ("usd", "usd-core"),
+    **{ending: ("usd", "usd-core") for ending in (".usdc", ".usda", ".usd")},
     ".glb": ("gltf", "pygltflib"),
     ".abc": ("alembic", "bpy"),
 }
@@ -32,15 +31,14 @@ def export(run: Run | str | Path, to: str | Path, every: int = 1) -> int:
     in .ply, .obj, .off, .stl, .vtk or .vtu.
 
     A file appears whole or not at all, in place of one that is there. Returns
-    the number of frames in it. Raises RunError, ImportError where the format's
+    the number of frames in it. Raises SceneError, ImportError where the format's
     package is not installed, or OSError.
     """
     run = run if isinstance(run, Run) else Run(run)
     path = Path(to)
-    if not path.parent.is_dir():
-        raise RunError(f"{path}: there is no folder {path.parent}")
+    _whole.need_folder(path)
     ending = path.suffix.lower()
-    if ending in arrays.FRAME:
+    if ending in FRAME:
         return _frames(run, path, run.frames()[::every])
     if ending == ".npz":
         frames = run.frames()[::every]
@@ -50,7 +48,7 @@ def export(run: Run | str | Path, to: str | Path, every: int = 1) -> int:
     if not form:
         raise RunError(
             f"{path}: expected a name that ends in {ENDINGS}, or one a frame, as "
-            f"frame_%04d.ply, in {', '.join(arrays.FRAME)}"
+            f"frame_%04d.ply, in {', '.join(FRAME)}"
         )
     try:
         module = importlib.import_module(f"drape.export.{form[0]}")
@@ -92,7 +90,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         required=True,
         metavar="FILE",
         help=f"that ends in {ENDINGS}, or a name a frame as frame_%%04d.ply, in "
-        + ", ".join(arrays.FRAME),
+        + ", ".join(FRAME),
     )
     parser.add_argument(
         "--every", type=whole, default=1, metavar="K", help="every K-th frame only"
@@ -101,7 +99,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         run = Run(given.run)
         count = export(run, given.to, given.every)
-    except RunError as error:
+    except SceneError as error:
         return complain(USAGE, f"export: {error}")
     except (Error, ImportError) as error:
         return complain(FAILED, f"export: {error}")
@@ -113,5 +111,5 @@ def main(argv: Sequence[str] | None = None) -> int:
         complain(OK, "note: the run has 64 bits; the file's points have 32")
     if run.end != "complete":
         complain(OK, f"note: the run is {run.end}; these are its frames so far")
-    print(f"{given.to}: {count} frames, {run.fps:g} a second")
+    say(f"{given.to}: {count} frames, {run.fps:g} a second")
     return OK

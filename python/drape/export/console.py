@@ -4,17 +4,33 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
+import os
 import sys
-from typing import NoReturn
+from typing import Any, NoReturn
 
-OK, USAGE, FAILED = 0, 2, 3  # app/base/app.h's app_exit
+# app/base/app.h's app_exit
+OK, FINDINGS, USAGE, FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 
 
 def complain(code: int, text: str) -> int:
     """Prints one line on standard error, and returns the code."""
     line = "".join(c if c.isprintable() else "?" for c in text)
-    print(f"drape: {line}", file=sys.stderr)
+    with contextlib.suppress(OSError):  # there is no other place to say it
+        print(f"drape: {line}", file=sys.stderr)
     return code
+
+
+def say(text: str) -> None:
+    """Prints lines on standard output. Where they cannot be written, as nobody reads
+    the pipe any more, the command ends, as the tool's do."""
+    try:
+        print(text, flush=True)
+    except OSError as error:
+        # what Python still holds of the text is not to be tried again at its end
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        why = f"standard output: cannot write: {error.strerror}"
+        raise SystemExit(complain(FAILED, why)) from None
 
 
 class Parser(argparse.ArgumentParser):
@@ -27,6 +43,10 @@ class Parser(argparse.ArgumentParser):
         self.add_argument(
             "--quiet", action="store_true", help="no notes and no closing line"
         )
+
+    def print_help(self, file: Any = None) -> None:
+        """Prints the help."""
+        say(self.format_help().rstrip())
 
     def error(self, message: str) -> NoReturn:
         """Ends the process with the exit code of a wrong command line."""

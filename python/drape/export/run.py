@@ -18,7 +18,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drape.errors import Error
+from drape._meshes import are_of
+from drape.errors import SceneError
 from drape.export.contacts import FrameContacts, read_contacts
 
 Positions = NDArray[np.floating[Any]]
@@ -33,7 +34,7 @@ _HEADER = re.compile(
 _FACE = np.dtype([("count", "u1"), ("vertices", "<i4", 3)])
 
 
-class RunError(Error, ValueError):
+class RunError(SceneError):
     """A folder that no run has left. The text is one line, and names the file."""
 
 
@@ -104,7 +105,7 @@ def read_ply(path: Path) -> tuple[Positions, NDArray[np.int32]]:
     x = np.frombuffer(data, number, 3 * vertices, head.end()).reshape(-1, 3)
     face = np.frombuffer(data, _FACE, triangles, middle)
     tri = np.ascontiguousarray(face["vertices"])
-    if (face["count"] != 3).any() or (tri < 0).any() or (tri >= vertices).any():
+    if (face["count"] != 3).any() or not are_of(tri, vertices):
         raise RunError(f"{path}: expected triangles of its own vertices")
     return x, tri
 

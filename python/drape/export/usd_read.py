@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Tf, Usd, UsdGeom
 
+from drape._meshes import are_of
 from drape.errors import SceneError
 from drape.meshes import Mesh
 
@@ -73,7 +74,7 @@ def read(file: Path) -> list[Mesh]:
         if not len(frames[0]):
             continue
         tri, size = _triangles(prim, times[0]), about.get("size")
-        if not len(tri) or not 0 <= tri.min() <= tri.max() < len(frames[0]):
+        if not len(tri) or not are_of(tri, len(frames[0])):
             raise SceneError(f"{file}: {each.GetPath()}: expected faces of its points")
         found.append(
             Mesh(

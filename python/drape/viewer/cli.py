@@ -7,14 +7,13 @@ import logging
 from collections.abc import Sequence
 from pathlib import Path
 
+from drape._endings import PYTHONS, TOOLS
 from drape.errors import Error, SceneError
-from drape.export.console import FAILED, OK, USAGE, Parser, complain, port
+from drape.export.console import FAILED, OK, USAGE, Parser, complain, port, say
 from drape.export.run import RunError
-from drape.meshes import BEYOND, read_meshes
+from drape.meshes import read_meshes
 from drape.viewer.live import Live
 from drape.viewer.source import Meshes, Recorded, Source
-
-MESHES = (*BEYOND, ".ply", ".off", ".obj", ".stl", ".glb", ".gltf", ".dae", ".fbx")
 
 
 def open_source(name: str) -> Source:
@@ -24,7 +23,7 @@ def open_source(name: str) -> Source:
         return Recorded(path)
     if not path.is_file():
         raise RunError(f"{name}: expected the folder of a run, or a scene's file")
-    if path.suffix.lower() in MESHES:
+    if path.suffix.lower() in (*PYTHONS, *TOOLS):
         return Meshes(list(read_meshes(path).values()), path.name)
     return Live(path, paced=True)
 
@@ -69,15 +68,15 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         source = open_source(given.run)
         page = Page(source, given.host, given.port, play=not given.paused)
-    except (RunError, SceneError) as error:
+    except SceneError as error:
         return complain(USAGE, f"view: {error}")
     except Error as error:
         return complain(FAILED, f"view: {error}")
-    print(f"{page.url} (Ctrl-C ends it)", flush=True)
     try:
+        say(f"{page.url} (Ctrl-C ends it)")
         page.serve()
     except KeyboardInterrupt:
-        print()
+        say("")
     except Error as error:
         return complain(FAILED, f"view: {error}")
     finally:
