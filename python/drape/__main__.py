@@ -11,8 +11,11 @@ libraries. All other commands are those of the tool (``man drape``).
 from __future__ import annotations
 
 import importlib
+import signal
 import sys
 from collections.abc import Sequence
+
+from drape._endings import PYTHONS
 
 COMMANDS = {
     "audit-frames": "drape.referee",
@@ -24,11 +27,11 @@ COMMANDS = {
 
 # Arguments by which `audit` is of frames of other programs: app/tool/audit.c.
 FRAMES = ("--frames", "--between")
-ENDINGS = (".usd", ".usda", ".usdc", ".usdz", ".abc", ".npz")
 
 
 def main(argv: Sequence[str]) -> int:
-    """Runs one command and returns its exit status."""
+    """Runs one command and returns its exit status; the tool, whose all other commands
+    are, takes the place of this process."""
     try:
         importlib.import_module("drape._whose")
     except ImportError as error:
@@ -38,15 +41,31 @@ def main(argv: Sequence[str]) -> int:
     quiet = words[:1] == ["--quiet"]  # it may stand before any command
     name = "".join(words[quiet : quiet + 1])
     if name == "audit" and any(
-        word in FRAMES or word.lower().endswith(ENDINGS) for word in words
+        word in FRAMES or word.lower().endswith(PYTHONS) for word in words
     ):
         name = "audit-frames"
     if name in COMMANDS:
-        module = importlib.import_module(COMMANDS[name])
-        return int(module.main(words[:quiet] + words[quiet + 1 :]))
+        return _call(name, words[:quiet] + words[quiet + 1 :])
     from drape import tool
 
-    return tool.main(argv)
+    tool.become(argv)
+
+
+def _call(name: str, words: Sequence[str]) -> int:
+    """Runs a command that is Python. Ctrl-C and SIGTERM end it in order, so that
+    what it has begun to write goes, and its processes with it."""
+    from drape.export.console import FAILED, INTERRUPTED, complain
+
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        return int(importlib.import_module(COMMANDS[name]).main(words))
+    except KeyboardInterrupt:
+        return complain(INTERRUPTED, f"{name}: interrupted")
+    except OSError as error:
+        where = f"{error.filename}: " if error.filename else ""
+        return complain(FAILED, f"{name}: {where}{error.strerror or error}")
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def entry() -> int:

@@ -8,7 +8,7 @@ import shutil
 import subprocess
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import NoReturn
 
 from .errors import Error, SceneError
 
@@ -26,12 +26,11 @@ def path() -> Path:
     return file
 
 
-def start(arguments: Sequence[str], **how: Any) -> subprocess.Popen[str]:
-    """Starts the tool. Its process does not see $DRAPE_TOOL: if that names a script
-    of this package, the script takes the package's own executable."""
-    words = [str(path()), *arguments]
+def _words(arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]:
+    """Returns the tool's command line and its environment, which has no $DRAPE_TOOL: if
+    that names a script of this package, the script takes the package's own tool."""
     seen = {key: text for key, text in os.environ.items() if key != "DRAPE_TOOL"}
-    return subprocess.Popen(words, env=seen, text=True, **how)
+    return [str(path()), *arguments], seen
 
 
 def call(*arguments: object) -> str:
@@ -42,22 +41,16 @@ def call(*arguments: object) -> str:
         SceneError: the tool refused its input
         Error: it failed, or found what it looked for (exit status 1)
     """
-    pipe = subprocess.PIPE
-    with start([str(each) for each in arguments], stdout=pipe, stderr=pipe) as process:
-        printed, told = process.communicate()
-    if process.returncode:
-        lines = told.strip().splitlines() or [f"exit status {process.returncode}"]
+    words, seen = _words([str(each) for each in arguments])
+    done = subprocess.run(words, env=seen, capture_output=True, text=True)
+    if done.returncode:
+        lines = done.stderr.strip().splitlines() or [f"exit status {done.returncode}"]
         text = lines[-1].removeprefix("drape: ")
-        raise (SceneError if process.returncode == 2 else Error)(text)
-    return printed
+        raise (SceneError if done.returncode == 2 else Error)(text)
+    return done.stdout
 
 
-def main(argv: Sequence[str]) -> int:
-    """Runs the tool with these arguments and returns its exit status."""
-    process = start(argv)
-    while True:
-        try:
-            code = process.wait()
-            return 128 - code if code < 0 else code
-        except KeyboardInterrupt:
-            continue  # the tool has it too, and ends its run in order
+def become(arguments: Sequence[str]) -> NoReturn:
+    """Puts the tool in the place of this process, so that signals are for the tool."""
+    words, seen = _words(arguments)
+    os.execve(words[0], words, seen)

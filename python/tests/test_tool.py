@@ -58,13 +58,25 @@ def test_an_interrupted_run_ends_in_order(tmp_path: Path) -> None:
         while not (out / "frames/cloth_0001.ply").exists():
             assert time.monotonic() < end and process.poll() is None
             time.sleep(0.05)
-        # as a terminal does: to both processes
-        os.killpg(process.pid, signal.SIGINT)
+        process.send_signal(signal.SIGTERM)
         assert process.wait(20) == 130
     finally:
         if process.poll() is None:
             os.killpg(process.pid, signal.SIGKILL)
     assert (out / "checkpoint.drape").exists()
+
+
+@pytest.mark.parametrize("words", [["examples"], ["examples", "--help"], ["info"]])
+def test_output_that_nobody_reads(words: list[str]) -> None:
+    command = [sys.executable, "-m", "drape", *words]
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True) as process:
+        assert process.stdout and process.stderr
+        process.stdout.close()
+        assert process.stderr.read() == (
+            "drape: standard output: cannot write: Broken pipe\n"
+        )
+    assert process.returncode == 3
 
 
 def test_call_raises_what_the_tool_says(
