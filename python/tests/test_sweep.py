@@ -12,6 +12,7 @@ import pickle
 import re
 import signal
 import stat
+import subprocess
 import sys
 import threading
 import time
@@ -146,13 +147,52 @@ def test_the_command(
         (["--draw", "dt=0.01..0.02"], "--draw and --count go together"),
         (["--set", "dt=1", *draw], "expected --set, for all combinations, or --draw"),
         (["--set", "cloths.9.a=1"], "cloths.9.a: the scene has no such place"),
+        (["--set", "dtt=0.01,0.02"], 'unknown key "dtt"; did you mean "dt"?'),
     ):
         assert main(["sweep", *words, *wrong]) == 2
-        assert text in capsys.readouterr().err
+        told = capsys.readouterr().err
+        assert text in told and told.count("\n") == 1
     for wrong, text in ((["--draw", "dt=1"], "LO..HI"), (["--set", "dt"], "KEY=")):
         with pytest.raises(SystemExit) as end:
             main(["sweep", *words, *wrong])
         assert end.value.code == 2 and text in capsys.readouterr().err
+
+
+def test_a_sweep_of_a_file_has_its_arrays_and_meshes(tmp_path: Path) -> None:
+    x = np.array([[0, 0.5, 0], [1, 0.5, 0], [0, 0.5, 1], [1, 0.5, 1]])
+    scene = drape.Scene(
+        cloths=[drape.Cloth(particles=[2, 2], positions=x)],
+        obstacles=[drape.Obstacle(vertices=x - [0, 1, 0], triangles=[[0, 2, 1]])],
+    )
+    (tmp_path / "in").mkdir()
+    scene.save(tmp_path / "in/a.json")
+    variants = drape.grid(tmp_path / "in/a.json", {"dt": [0.01]})
+    done = drape.sweep(variants, tmp_path / "out", frames=0)
+    expected = np.concatenate([x, x - [0, 1, 0]])
+    assert np.array_equal(done.data(0)["positions"], expected.astype(np.float32))
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+def test_a_killed_sweep_goes_on(number: signal.Signals, tmp_path: Path) -> None:
+    file, out = tmp_path / "long.json", tmp_path / "out"
+    file.write_text(json.dumps(LONG))
+    words = ["sweep", str(file), "--out", str(out), "--set", "dt=0.01,0.011,0.012"]
+    command = [sys.executable, "-m", "drape", *words, "--workers", "1"]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        while not list(out.glob("results/*.json")):
+            assert process.poll() is None
+            time.sleep(0.01)
+        process.send_signal(number)
+        assert process.stderr
+        told = process.stderr.read()  # which its worker has, too
+    killed = number == signal.SIGKILL
+    assert process.returncode == (-9 if killed else 130)
+    assert told == ("" if killed else "drape: sweep: interrupted\n")
+    done = len(list(out.glob("results/*.json")))
+    for file in out.glob("results/*"):
+        assert np.load(file) if file.suffix == ".npz" else json.loads(file.read_text())
+    again = subprocess.run(command, capture_output=True, text=True)
+    assert again.stdout.endswith(f": 3 scenes, 0 failed, {done} reused\n")
 
 
 def test_a_sweep_is_resumed_and_damage_is_seen(tiny: Path, tmp_path: Path) -> None:

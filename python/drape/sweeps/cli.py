@@ -10,11 +10,18 @@ from collections.abc import Sequence
 from typing import Any
 
 from drape.errors import Error, SceneError
-from drape.export.console import FAILED, OK, USAGE, Parser, complain, whole
+from drape.export.console import (
+    FAILED,
+    FINDINGS,
+    OK,
+    USAGE,
+    Parser,
+    complain,
+    say,
+    whole,
+)
 
 from . import Sweep, grid, sample, sweep
-
-FINDINGS = 1  # app/base/app.h's app_exit
 
 
 def _value(word: str) -> Any:
@@ -126,5 +133,5 @@ def main(argv: Sequence[str]) -> int:
         complain(OK, f"{row['label']}: failed: {row['error']}")
     if not given.quiet:
         words = f"{len(done.rows)} scenes, {len(done.failed)} failed"
-        print(f"{done.path}: {words}, {done.reused} reused")
+        say(f"{done.path}: {words}, {done.reused} reused")
     return FINDINGS if done.failed else OK

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from .. import scene as scenes
 from .._core import ffi, lib
-from .._define import tree_of, with_keys
+from .._define import read_scene, tree_of, with_keys
 from .._meshes import on_host
 from ..errors import Error, SceneError
 from ..export.arrays import of_world
@@ -54,7 +54,7 @@ def grid(scene: scenes.SceneLike, axes: Mapping[str, Sequence[Any]]) -> list[Var
         axes: values by the path of a key, as "dt" or "cloths.0.material.bend"
     """
     rows = (dict(zip(axes, each, strict=True)) for each in product(*axes.values()))
-    return [_variant(scene, row) for row in rows]
+    return _of_keys([_variant(scene, row) for row in rows])
 
 
 Draw = Callable[[np.random.Generator], Any]
@@ -83,6 +83,18 @@ def sample(
         made = _variant(scene, drawn)
         made.parameters |= {"seed": seed, "draw": k}
         variants.append(made)
+    return _of_keys(variants)
+
+
+def _of_keys(variants: list[Variant]) -> list[Variant]:
+    """Refuses variants by a key that scenes do not have: it is wrong in each of them,
+    whatever its value, and is told once."""
+    try:
+        for each in variants[:1]:
+            read_scene(scenes.read(each.scene), notes=False)
+    except SceneError as error:
+        if "unknown key" in str(error):
+            raise
     return variants
 
 
@@ -124,9 +136,12 @@ def _told(value: Any) -> str:
 
 
 def _tree(scene: scenes.SceneLike) -> Any:
-    """Returns a scene's keys, in containers that nobody else has."""
-    if isinstance(scene, (str, os.PathLike, scenes.Text)):
-        return tree_of(scenes.read(scene))
+    """Returns a scene's keys, in containers that nobody else has. Those of a file
+    have its arrays, and whole paths, as a variant is in no folder."""
+    if isinstance(scene, scenes.Text):
+        return tree_of(scene)
+    if isinstance(scene, (str, os.PathLike)):
+        scene = scenes.Scene.load(scene)
     return scenes.as_dict(scene)
 
 

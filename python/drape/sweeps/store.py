@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from .. import _whole
 from ..errors import Error
 from .job import Data, Job, digest
 
@@ -26,6 +27,7 @@ class Store:
         """Opens the folder; options are those of the file system in fsspec."""
         try:
             import fsspec
+            from fsspec.implementations.local import LocalFileSystem
         except ImportError as error:
             raise Error("drape.sweep needs fsspec: pip install fsspec") from error
         self.url = url
@@ -34,6 +36,7 @@ class Store:
             self.files, self.root = fsspec.core.url_to_fs(url, **self.options)
         except (ImportError, ValueError) as error:
             raise Error(f"{url}: {error}") from error
+        self.local = isinstance(self.files, LocalFileSystem)
 
     @property
     def shared(self) -> bool:
@@ -45,10 +48,14 @@ class Store:
         return f"{self.root.rstrip('/')}/{name}"
 
     def write(self, name: str, data: bytes) -> None:
-        """Writes a file, and the folders that it is in."""
+        """Writes a file, which appears complete or not at all, and the folders that
+        it is in."""
         path = self.path(name)
         self.files.makedirs(path.rsplit("/", 1)[0], exist_ok=True)
-        with self.files.open(path, "wb") as file:
+        if self.local:
+            _whole.write(path, data)
+            return
+        with self.files.open(path, "wb") as file:  # stores of objects do so
             file.write(data)
 
     def read(self, name: str) -> bytes:

@@ -15,7 +15,10 @@ from __future__ import annotations
 import json
 import os
 import pickle
+import select
+import signal
 import sys
+import threading
 from pathlib import Path
 
 from .job import attempt
@@ -23,17 +26,29 @@ from .store import Store
 
 
 def serve() -> None:
-    """Answers jobs until the standard input ends."""
+    """Answers jobs until the standard input ends. Where it ends while a job runs, the
+    sweep was killed, and nobody waits for the answer."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # of the terminal, for the sweep
     # what a library prints must not come between the answers
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
+    threading.Thread(target=_end_with_sweep, daemon=True).start()
     while True:
         try:
             job = pickle.load(sys.stdin.buffer)
-        except EOFError:
+        except (EOFError, pickle.UnpicklingError):
             return
         pickle.dump(attempt(job), answers)
         answers.flush()
+
+
+def _end_with_sweep() -> None:
+    """Waits until nobody has the other end of the standard input, and ends the
+    process, whatever its job is at."""
+    stdin = select.poll()
+    stdin.register(0, 0)  # its closing alone, which poll always tells
+    stdin.poll()
+    os._exit(0)
 
 
 def work(order: str, task: int) -> None:
