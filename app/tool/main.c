@@ -87,12 +87,13 @@ static const struct command {
      "wide (default: 0.005), and prints how near cells and outlines are, and "
      "the\n"
      "lengths of seams. DIR gets tables, a picture, and the panels as PLY.\n"},
-    {"export", command_export, "write a run as USD, glTF, Alembic, VTK …",
+    {"export", command_export, "write a run as USD, glTF, Alembic, film …",
      "drape export DIR --to FILE [--every K]\n"
-     "FILE ends in .usdc, .usda, .usd, .glb, .abc or .npz and gets the frames\n"
-     "there, or every K-th of them. A name as frame_%04d.vtu is a file a "
-     "frame,\n"
-     "and ends in .ply, .obj, .off, .stl, .vtk or .vtu.\n"
+     "FILE ends in .usdc, .usda, .usd, .glb, .abc, .npz, or for a film in "
+     ".mp4\n"
+     "or .gif, and gets the frames there, or every K-th of them. A name as\n"
+     "frame_%04d.vtu is a file a frame, and ends in .ply, .obj, .off, .stl,\n"
+     ".vtk or .vtu.\n"
      "It is part of the Python package.\n"},
     {"view", command_view, "show a run or a scene in a web browser",
      "drape view DIR|SCENE.json|MESH [--port N] [--host NAME] [--paused]\n"

@@ -32,6 +32,7 @@ from .errors import (
     OutOfMemoryError,
     SceneError,
 )
+from .export.film import film
 from .fabrics import Fabric, materials
 from .many import step_many
 from .mesh import Audit, Touches, audit, ccd, ccd_mesh
@@ -116,6 +117,7 @@ __all__ = [
     "ccd_mesh",
     "examples",
     "export",
+    "film",
     "grid",
     "info",
     "materials",

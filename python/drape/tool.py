@@ -26,22 +26,30 @@ def path() -> Path:
     return file
 
 
-def _words(arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]:
+def _words(
+    arguments: Sequence[str], programs: str = ""
+) -> tuple[list[str], dict[str, str]]:
     """Returns the tool's command line and its environment, which has no $DRAPE_TOOL: if
     that names a script of this package, the script takes the package's own tool."""
     seen = {key: text for key, text in os.environ.items() if key != "DRAPE_TOOL"}
+    if programs:
+        seen["PATH"] = os.pathsep.join([programs, seen.get("PATH", os.defpath)])
     return [str(path()), *arguments], seen
 
 
-def call(*arguments: object) -> str:
+def call(*arguments: object, programs: str = "") -> str:
     """Runs the tool and returns what it prints. A failure raises an exception
     with the tool's last line on standard error.
+
+    Args:
+        arguments: of the command line
+        programs: a folder of programs that the tool calls, before those of PATH
 
     Raises:
         SceneError: the tool refused its input
         Error: it failed, or found what it looked for (exit status 1)
     """
-    words, seen = _words([str(each) for each in arguments])
+    words, seen = _words([str(each) for each in arguments], programs)
     done = subprocess.run(words, env=seen, capture_output=True, text=True)
     if done.returncode:
         lines = done.stderr.strip().splitlines() or [f"exit status {done.returncode}"]

@@ -14,7 +14,7 @@ APPS = "sh ci/deps.sh apps installs it"
 SLURM = "sh ci/deps.sh slurm installs it"
 # Modules that are no part of tests/requirements.txt, and what installs them.
 ELSEWHERE = dict.fromkeys(
-    ("pxr", "pygltflib", "trimesh", "viser", "playwright", "PIL"),
+    ("pxr", "pygltflib", "trimesh", "viser", "playwright", "PIL", "imageio_ffmpeg"),
     "pip install -r python/tests/apps/requirements.txt",
 ) | {
     "bpy": "pip install bpy, by the one version of Python that it is for",

@@ -11,7 +11,7 @@ from pathlib import Path
 from drape import _whole
 from drape._endings import FRAME
 from drape.errors import Error, SceneError
-from drape.export import arrays
+from drape.export import arrays, film
 from drape.export.console import FAILED, OK, USAGE, Parser, complain, say, whole
 from drape.export.run import Run, RunError
 
@@ -20,15 +20,16 @@ FORMATS = {
     **{ending: ("usd", "usd-core") for ending in (".usdc", ".usda", ".usd")},
     ".glb": ("gltf", "pygltflib"),
     ".abc": ("alembic", "bpy"),
+    **{ending: ("film", "imageio-ffmpeg") for ending in film.ENDINGS},
 }
 ENDINGS = ", ".join((*FORMATS, ".npz"))
 
 
 def export(run: Run | str | Path, to: str | Path, every: int = 1) -> int:
     """Writes every `every`-th frame of a run, or of the run in a folder, into a
-    file, by the file's ending: USD, glTF, Alembic or .npz; or each into a file of
-    its own where the name has a number's place, as in ``frame_%04d.vtu``, and ends
-    in .ply, .obj, .off, .stl, .vtk or .vtu.
+    file, by the file's ending: USD, glTF, Alembic, .npz, or a film, .mp4 or .gif; or
+    each into a file of its own where the name has a number's place, as in
+    ``frame_%04d.vtu``, and ends in .ply, .obj, .off, .stl, .vtk or .vtu.
 
     A file appears whole or not at all, in place of one that is there. Returns
     the number of frames in it. Raises SceneError, ImportError where the format's
@@ -81,8 +82,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     """`drape export`; returns the exit code."""
     parser = Parser(
         prog="drape export",
-        description="Write the frames of a run as one file: USD, glTF, Alembic or "
-        "arrays; or as a file a frame.",
+        description="Write the frames of a run as one file: USD, glTF, Alembic, "
+        "arrays or a film; or as a file a frame.",
     )
     parser.add_argument("run", metavar="RUN", help="folder that `drape run` wrote")
     parser.add_argument(
@@ -107,7 +108,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return complain(FAILED, f"export: {given.to}: {error.strerror or error}")
     if given.quiet:
         return OK
-    if run.precision == 64 and Path(given.to).suffix.lower() in FORMATS:
+    ending = Path(given.to).suffix.lower()
+    if run.precision == 64 and ending in FORMATS and ending not in film.ENDINGS:
         complain(OK, "note: the run has 64 bits; the file's points have 32")
     if run.end != "complete":
         complain(OK, f"note: the run is {run.end}; these are its frames so far")
