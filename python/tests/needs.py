@@ -21,6 +21,7 @@ ELSEWHERE = dict.fromkeys(
     "torch": APPS,
     "cupy": "pip install cupy-cuda13x",
     "ray": "pip install ray",
+    "newton": "pip install newton, by which a test takes minutes",
 }
 OTHERS = "pip install -r python/tests/requirements.txt"
 
