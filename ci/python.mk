@@ -2,7 +2,7 @@
 # The Python package of python/: what its extension is linked of, its wheel and
 # its tests. python/README.md says how they fit together.
 
-.PHONY: wheel venv check-python docs python-core
+.PHONY: wheel sdist venv check-python docs python-core
 PY     := $(BUILD)/python
 PIP    := $(PY)/venv/bin/python -m pip install -q
 
@@ -34,6 +34,14 @@ WITH_CUDA = $(if $(GPU),cu$(shell nvcc --version | sed -n \
 wheel: $(PY)/venv/made ## a wheel of the Python package, in DIST=dist
 	$(call show,MAKE $(DIST)/*.whl)DRAPE_MAKE="GPU=$(GPU) $${DRAPE_MAKE-}" DRAPE_LOCAL=$(WITH_CUDA) \
 	  sh python/wheel.sh $(BUILD) $(DIST)
+
+# What PyPI takes: `make wheel sdist`. The archive builds a wheel by pip, where a C
+# compiler, make and the headers of jansson are.
+sdist: $(PY)/venv/made ## an archive of the sources for PyPI, in DIST=dist
+	$(call show,MAKE $(DIST)/*.tar.gz)rm -f $(DIST)/drape_cloth-*.tar.gz && \
+	  $(PY)/venv/bin/python -m build -q --sdist --no-isolation \
+	  --outdir $(DIST) . >$(PY)/sdist.log 2>&1 || { cat $(PY)/sdist.log; exit 1; }
+	@$(PY)/venv/bin/twine check --strict $(DIST)/*
 
 # Debian's own Python takes no packages, so there is an environment for them.
 venv: wheel ## the package with its view and export: BUILD/venv/bin/drape, …/python

@@ -33,6 +33,13 @@ suite() {
     set -- $(echo "${line:-0 1 0}" | tr -dc '0-9 ')
     passed=$((passed + $1)) failed=$((failed + $2)) skipped=$((skipped + $3))
 }
+# Whether the archive's wheel says of itself what the tree's says.
+same_certificate() {
+    python3 -m venv "$work/of_sdist/venv" &&
+        "$work/of_sdist/venv/bin/pip" install -q "$work"/of_sdist/*.whl &&
+        "$work/of_sdist/venv/bin/drape" info >"$work/of_sdist/info" &&
+        "$work/fresh/bin/drape" info | diff - "$work/of_sdist/info"
+}
 # The package, its pages and its tests in an environment of their own.
 package() {
     ok style "$work/venv/bin/ruff" check python
@@ -46,6 +53,10 @@ package() {
     ok "the pages' lines" "$python" python/lines.py README.md python/README.md \
         python/docs/*.md python/docs/tutorials/*.md
     ok 'the site' sh python/docs.sh "$build" tiny=20
+    rm -rf "$work/of_sdist"
+    ok 'a wheel of the archive' env MAKEFLAGS=-j2 "$python" -m pip wheel -q --no-deps \
+        --wheel-dir "$work/of_sdist" dist/drape_cloth-*.tar.gz
+    ok 'it installs and is certified as the tree is' same_certificate
     export RAY_USAGE_STATS_ENABLED=0
     # the cells that need torch run below, by Debian's
     suite "$python" python/tests --ignore python/tests/apps \
@@ -53,6 +64,7 @@ package() {
 }
 
 ok 'a wheel' make BUILD="$build" wheel
+ok 'an archive of the sources, and what PyPI checks' make BUILD="$build" sdist
 wheel=$(ls dist/drape_cloth-*.whl)
 [ "$only" = apps ] || package
 # Debian's torch, where it is installed, runs the notebook's cells that need it.
