@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT
+from needs import need
 
 import drape
 from drape import examples
@@ -38,6 +39,26 @@ def test_its_metadata() -> None:
     address = re.search(r'^repository-code: "?([^\s"]+)', cited, re.MULTILINE)
     listed = about.get_all("Project-URL") or []
     assert any(address[1] in each for each in listed) if address else not listed
+
+
+def test_the_recipe_for_conda() -> None:
+    """rattler-build understands it, and it says what the package says of itself."""
+    build = need("rattler_build")
+    chosen = {"c_compiler": ["gcc"], "cxx_compiler": ["gxx"], "c_stdlib": ["sysroot"]}
+    recipe = build.Stage0Recipe.from_file(str(ROOT / "ci/conda/recipe.yaml"))
+    [made] = recipe.render(build.VariantConfig(chosen))
+    found = made.recipe.to_dict()
+    about = distribution("drape-cloth").metadata
+    assert found["package"]["name"] == about["Name"]
+    assert found["package"]["version"] == about["Version"].partition("+")[0]
+    assert found["about"]["license"] == about["License-Expression"]
+    assert found["about"]["summary"] == about["Summary"]
+    needs = [each for each in about.get_all("Requires-Dist") or [] if ";" not in each]
+    listed = sorted(each.replace(" ", "") for each in found["requirements"]["run"])
+    assert listed == sorted([*needs, f"python{about['Requires-Python']}"])
+    project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    hosts = {each.replace(" ", "") for each in found["requirements"]["host"]}
+    assert hosts >= set(re.findall(r'"(\S+>=\S+)"', project))
 
 
 @needs_wheel
