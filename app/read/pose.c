@@ -93,25 +93,30 @@ static double ticks_of(const struct pose *pose, double s)
     return s * (ticks > 0 ? ticks : 25);
 }
 
-/* The key before time t, and in *part how far it is to the next. TIME(k): of
- * key k of n. */
-#define FIND(n, t, TIME, k, part)                                              \
-    do {                                                                       \
-        (k) = 0;                                                               \
-        while ((k) + 1 < (n) && TIME((k) + 1) <= (t))                          \
-            (k)++;                                                             \
-        (part) = 0;                                                            \
-        if ((k) + 1 < (n) && (t) > TIME(k))                                    \
-            (part) = ((t)-TIME(k)) / (TIME((k) + 1) - TIME(k));                \
-    } while (0)
+/* The last of n keys that is not behind tick t, else the first; *part: how far
+ * t is to the next, 0 … 1. tick: the first key's, and those of the others
+ * follow `size` bytes apart. */
+static unsigned key_at(const double *tick, size_t size, unsigned n, double t,
+                       double *part)
+{
+    const char *at = (const char *)tick;
+    double here = *tick, next = here;
+    unsigned k = 0;
+    for (; k + 1 < n; k++) {
+        next = *(const double *)(at + (k + 1) * size);
+        if (!(next <= t))
+            break;
+        here = next;
+    }
+    *part = k + 1 < n && t > here ? (t - here) / (next - here) : 0;
+    return k;
+}
 
 static void vector_at(const struct aiVectorKey *key, unsigned n, double t,
                       double out[3])
 {
-#define VECTOR_TIME(k) key[k].mTime
-    unsigned k;
     double part;
-    FIND(n, t, VECTOR_TIME, k, part);
+    unsigned k = key_at(&key->mTime, sizeof *key, n, t, &part);
     const struct aiVector3D *a = &key[k].mValue;
     const struct aiVector3D *b = &key[part > 0 ? k + 1 : k].mValue;
     const double from[3] = {(double)a->x, (double)a->y, (double)a->z};
@@ -153,10 +158,8 @@ static void turn(double a[4], double b[4], double part, double q[4])
 static void rotation_at(const struct aiQuatKey *key, unsigned n, double t,
                         double q[4])
 {
-#define QUAT_TIME(k) key[k].mTime
-    unsigned k;
     double part;
-    FIND(n, t, QUAT_TIME, k, part);
+    unsigned k = key_at(&key->mTime, sizeof *key, n, t, &part);
     const struct aiQuaternion *a = &key[k].mValue;
     const struct aiQuaternion *b = &key[part > 0 ? k + 1 : k].mValue;
     double from[4] = {(double)a->w, (double)a->x, (double)a->y, (double)a->z};
@@ -248,11 +251,11 @@ void pose_weights(const struct pose *pose, double s, const struct aiNode *node,
     for (unsigned c = 0; clip && c < clip->mNumMorphMeshChannels; c++) {
         const struct aiMeshMorphAnim *channel = clip->mMorphMeshChannels[c];
         const struct aiMeshMorphKey *key = channel->mKeys;
-        unsigned k;
         double part;
         if (!moves(channel, node, mesh) || !channel->mNumKeys)
             continue;
-        FIND(channel->mNumKeys, ticks_of(pose, s), VECTOR_TIME, k, part);
+        unsigned k = key_at(&key->mTime, sizeof *key, channel->mNumKeys,
+                            ticks_of(pose, s), &part);
         memset(weight, 0, n * sizeof *weight);
         for (unsigned e = 0; e < (part > 0 ? 2u : 1u); e++)
             for (unsigned i = 0; i < key[k + e].mNumValuesAndWeights; i++)
