@@ -26,6 +26,12 @@ exits 'help of a command by -h, wherever' 0 run none.json -h
 is 'is its help' cmp out run.txt
 refused 'no help behind --' '--help: No such file' run -- --help
 refused 'nor by a value' '--helpx: unknown option' run --helpx
+if command -v groff >/dev/null; then
+    is 'groff understands the manual' sh -c \
+        'groff -ww -man -Tutf8 -z "$0" 2>&1 | tee bad && ! [ -s bad ]' "$root/app/drape.1"
+else
+    skip 'groff reads the manual: there is no groff'
+fi
 # Every option in a command's table is in its help and in the manual.
 for command in run plan audit render ccd convert pattern; do
     "$drape" help $command >out
