@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import pytest
 from needs import need
 
 import drape
+from drape._endings import TOOLS
 from drape.meshes import grid_of
 
 
@@ -29,6 +31,14 @@ def test_a_grid_is_found(flip: bool) -> None:
         assert grid_of(grid(m, n, flip), m * n, "sheet") == (m, n)
     with pytest.raises(drape.SceneError, match=r"sheet: 15 vertices, 15 tri.*rows"):
         grid_of(grid(5, 3, flip)[1:], 15, "sheet")
+
+
+def test_the_endings_are_the_tools(tmp_path: Path) -> None:
+    file = tmp_path / "a.none"
+    file.touch()
+    with pytest.raises(drape.SceneError, match="expected a mesh file") as refused:
+        drape.read_meshes(file)
+    assert tuple(re.findall(r"\.\w+(?=[, ]|$)", str(refused.value))) == TOOLS
 
 
 def test_a_state_is_written_and_read_again(tiny: Path, tmp_path: Path) -> None:
