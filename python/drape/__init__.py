@@ -41,6 +41,7 @@ from .record import Recorder
 from .referee import Verdict, audit_frames
 from .reports import Memory, Outcome, PlanRow, Status, StepReport, Work
 from .scene import (
+    Bend,
     Camera,
     Cloth,
     Frames,
@@ -70,6 +71,7 @@ def info() -> str:
 
 __all__ = [
     "Audit",
+    "Bend",
     "Body",
     "Camera",
     "CheckpointError",
