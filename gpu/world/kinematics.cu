@@ -17,8 +17,9 @@ KERNEL kinematics_kernel(const struct kinematics &s, int64_t *bad)
     for (int i = 0; i < 3; i++) {
         double rest = s.rest[3 * k + i];
         a[i] = rest;
-        for (int f = 0; f < s.others; f++)
-            a[i] += s.weight[f] * (s.other[f][3 * k + i] - rest);
+        for (int f = 0; f < KINEMATICS_OTHERS; f++)
+            if (f < s.others)
+                a[i] += s.weight[f] * (s.other[f][3 * k + i] - rest);
     }
     int32_t motion = s.motion[k];
     if (motion >= 0) {

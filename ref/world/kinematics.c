@@ -144,8 +144,9 @@ static bool place_vertex(const struct kinematics *s, int64_t k)
     for (int i = 0; i < 3; i++) {
         double rest = s->rest[3 * k + i];
         a[i] = rest;
-        for (int f = 0; f < s->others; f++)
-            a[i] += s->weight[f] * (s->other[f][3 * k + i] - rest);
+        for (int f = 0; f < KINEMATICS_OTHERS; f++)
+            if (f < s->others)
+                a[i] += s->weight[f] * (s->other[f][3 * k + i] - rest);
     }
     if (s->motion[k] >= 0) {
         const struct pose *p = &s->pose[s->motion[k]];
