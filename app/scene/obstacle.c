@@ -191,8 +191,6 @@ static int make(struct json *json, struct obstacle *o)
         !(cache && !shape))
         return json_refuse(json, "expected one of mesh, shape and frames");
     bool bends = o->limb.keys && o->shape.kind == SHAPE_LIMB;
-    if ((s->files || cache || bends) && o->out.motion >= 0)
-        return json_refuse(json, "expected a motion, frames or bend, not two");
     if (o->clip && (!o->file || cache))
         return json_refuse(json, "animation: expected a mesh beside it");
     int status =

@@ -156,15 +156,15 @@ int sequence_load(struct json *json, const struct sequence *s, const char *name,
                   drape_obstacle *out)
 {
     struct clip clip = {0};
-    if (s->file && !name)
+    if (!s->files && !name)
         return json_refuse(json,
                            "frames.file: expected the mesh beside it that "
                            "the point cache moves");
     if (s->files && s->times && s->n_times != s->count)
         return json_refuse(json, "frames.times: %d times of %d frames",
                            s->n_times, s->count);
-    int status = s->file ? load_cache(json, s, name, &clip, mesh)
-                         : load_files(json, s, &clip, mesh);
+    int status = s->files ? load_files(json, s, &clip, mesh)
+                          : load_cache(json, s, name, &clip, mesh);
     if (status != APP_OK)
         return status;
     if (s->times && s->n_times != clip.frames)

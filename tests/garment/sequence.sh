@@ -116,7 +116,7 @@ wrong 'a cache of a format without an order' \
 wrong 'no such cache' '"mesh": "tetra.ply", "frames": {"file": "gone.pc2"}' 'gone.pc2'
 wrong 'files and a cache' '"frames": {"file": "good.pc2", "files": "a_%d.ply", "count": 1}' \
     'expected either files with count, or the file'
-wrong 'a motion and frames' "$mesh}, \"motion\": \"m\"" 'expected a motion, frames or bend'
+wrong 'a motion and frames' "$mesh}, \"motion\": \"m\"" 'has both a motion and frames'
 wrong 'times that do not ascend' "$mesh, \"times\": [0, 1, 1]}" \
     'frames.times[2]: 1: expected more than 1'
 wrong 'too few times' "$mesh, \"times\": [0, 1]}" 'frames.times: 2 times of 3 frames'
@@ -128,7 +128,7 @@ wrong 'a limb that folds into itself' "$limb, \"bend\": [{\"time\": 0, \"angle\"
 wrong 'bends that do not ascend' "$limb, \"bend\": [{\"time\": 1}, {\"time\": 1}]" \
     'bend: times must ascend'
 wrong 'a limb with a motion' "$limb, \"bend\": [{\"time\": 1}], \"motion\": \"m\"" \
-    'expected a motion, frames or bend'
+    'has both a motion and frames'
 tells limb.json "$limb, \"bend\": [{\"time\": 0}, {\"time\": 2, \"angle\": 90}]"
 exits 'a limb' 0 run limb.json --out limb
 # Its axis is 0.1 up to the joint, which bends by 90 degrees along 0.2, and 0.1 beyond:
