@@ -602,7 +602,7 @@ def _put_mesh(folder: Path, name: str, arrays: Arrays, k: int) -> dict[str, Any]
     else:
         series["dt"] = float(arrays.get("frame_dt", 1 / 60))
     if "between" in arrays:
-        series["between"] = arrays["between"]
+        series["between"] = str(arrays["between"])
     return {"frames": series}
 
 
