@@ -64,11 +64,11 @@ int read_sequence(struct json *json, json_t *node, void *out)
     int status = json_fields(json, node, keys, s);
     if (status != APP_OK)
         return status;
-    if (!s->files == !s->file)
+    if (s->files && s->file)
         return json_refuse(json,
                            "expected either files with count, or the file "
                            "of a point cache (.pc2)");
-    if (s->files && (!is_numbered(s->files) || !s->count))
+    if (!s->file && (!s->files || !is_numbered(s->files) || !s->count))
         return json_refuse(json, "expected files with one %%d or %%04d in "
                                  "the name, and count");
     if (s->times)
