@@ -175,8 +175,22 @@ const char *fuzz_mesh(const char *name, const uint8_t *data, size_t size)
     return size ? try_mesh(files[data[0] % 7], data + 1, size - 1) : NULL;
 }
 
+/* The point cache of a mesh of four vertices. */
+static const char *fuzz_cache(const uint8_t *data, size_t size)
+{
+    static const char mesh[] = "OFF\n4 2 0\n0 0 0\n1 0 0\n0 0 1\n1 1 1\n"
+                               "3 0 1 2\n3 1 3 2\n";
+    static const char scene[] =
+        "{\"cloths\": [{\"particles\": [3, 3], \"start\": {\"at\": [0, 9, "
+        "0]}}], \"obstacles\": [{\"mesh\": \"cached.off\", \"frames\": "
+        "{\"file\": \"in.pc2\", \"between\": \"cubic\"}}]}";
+    files_write("cached.off", (const uint8_t *)mesh, strlen(mesh));
+    files_write("in.pc2", data, size);
+    return fuzz_scene("scene", (const uint8_t *)scene, strlen(scene));
+}
+
 /* Fuzzes the frames of an obstacle; the input is cut into frames at lines of
- * dashes. */
+ * dashes, or begins as a point cache does. */
 const char *fuzz_frames(const char *name, const uint8_t *data, size_t size)
 {
     static const char cut[] = "\n---\n";
@@ -187,6 +201,8 @@ const char *fuzz_frames(const char *name, const uint8_t *data, size_t size)
     char text[256], file[16];
     int count = 0;
     (void)name;
+    if (size > 4 && memcmp(data, "POIN", 4) == 0)
+        return fuzz_cache(data, size);
     for (size_t at = 0; at <= size && count < 3; count++) {
         size_t end = at;
         while (end < size && (size - end < strlen(cut) ||

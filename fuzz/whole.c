@@ -82,6 +82,8 @@ static const struct place in_cloth[] = {D(drape_cloth, width),
 static const struct place in_obstacle[] = {D(drape_obstacle, friction),
                                            I(drape_obstacle, motion),
                                            D(drape_obstacle, frame_dt),
+                                           I(drape_obstacle, between),
+                                           P(drape_obstacle, frame_time),
                                            P(drape_obstacle, x),
                                            P(drape_obstacle, tri),
                                            P(drape_obstacle, frame),
@@ -202,6 +204,11 @@ static void make_obstacle(struct whole *w, struct bytes *b, int k)
         for (uint32_t p = 0; p < 3 * n; p++)
             frame[p / 3][p % 3] = entry(b, -0.1, 0.04);
         o->frame = (const double(*)[3])frame;
+        o->between = nv % 2 ? DRAPE_CUBIC : DRAPE_LINEAR;
+        double *time = shelf_take(&w->shelf, (size_t)o->frames, sizeof *time);
+        for (int f = 0; f < o->frames; f++)
+            time[f] = 0.01 * f * f - 0.005;
+        o->frame_time = o->n_triangles % 2 ? time : NULL;
     }
     if (pick(b, 4) == 3)
         spoil(b, in_obstacle, o);

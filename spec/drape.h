@@ -203,9 +203,21 @@ typedef struct drape_cloth {
     int bending;           /* enum drape_bending */
 } drape_cloth;
 
+/* How a mesh that deforms goes from one frame to the next. world/kinematics.md
+ * §4 */
+enum drape_between {
+    DRAPE_LINEAR, /* every vertex in a straight line, evenly */
+    DRAPE_CUBIC   /* by a cubic in time with a continuous velocity, at a frame
+                     the mean one from the frame before to the frame after: a
+                     vertex may swing out a little between two frames */
+};
+
 /* A triangle mesh that cloth collides with and does not push. The mesh may be
  * open, closed or non-manifold. It stands still, or moves by a motion, or
- * deforms by frames. */
+ * deforms by frames: the same triangles with their vertices at other places.
+ * Whatever leads it, each vertex is at the place of its time where a step, or a
+ * slice of one (world/step.md §7), ends, and goes there in a straight line:
+ * what it would do in between does not count. */
 typedef struct drape_obstacle {
     int64_t n_vertices, n_triangles; /* at least 1 each */
     const double (*x)[3];    /* [n_vertices] m; a motion maps it at time 0 too;
@@ -213,11 +225,15 @@ typedef struct drape_obstacle {
     const int32_t (*tri)[3]; /* [n_triangles] its own vertices, from 0 */
     double friction; /* Coulomb coefficient, 0 … 1e6, as a material's */
     int motion;      /* index into drape_def.motions, -1: none */
-    int frames; /* number of frames, to 2^24, of a mesh that deforms, which has
-                   no motion; 0: none */
-    /* s, > 0, between frames. Frame 0 is at time 0; positions are linear
-     * between frames, and the last frame stays. Not read without frames. */
-    double frame_dt;
+    int frames;  /* number of frames, to 2^24, of a mesh that deforms, which has
+                    no motion; 0: none, and the next four are not read */
+    int between; /* enum drape_between */
+    double frame_dt; /* s, > 0: frame k is at time k · frame_dt; not read if
+                        frame_time is given */
+    /* [frames] s, strictly ascending: the time of each frame; NULL: every
+     * frame_dt from time 0 on. Before its time the first frame holds, and after
+     * its time the last one. */
+    const double *frame_time;
     const double (*frame)[3]; /* [frames][n_vertices] m */
 } drape_obstacle;
 
@@ -411,8 +427,8 @@ void drape_default(drape_def *def);
  * 1000, shear 300, bend 1e-5, damping 1e-3, thickness 0.002, friction 0.3,
  * bending by triples. */
 void drape_default_cloth(drape_cloth *cloth);
-/* Fills an obstacle with defaults: friction 0.3, no motion, no frames; no
- * vertices or triangles yet. */
+/* Fills an obstacle with defaults: friction 0.3, no motion, no frames, linear
+ * between frames; no vertices or triangles yet. */
 void drape_default_obstacle(drape_obstacle *obstacle);
 
 /* Checks the whole definition and makes a world from it, at time 0. The caller

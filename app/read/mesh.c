@@ -151,13 +151,9 @@ static bool ends_with(const char *path, const char *ending)
     return dot && strcasecmp(dot + 1, ending) == 0;
 }
 
-int mesh_load(struct pool *pool, const char *path, struct mesh *mesh)
-{
-    return mesh_load_clip(pool, path, NULL, mesh);
-}
-
-int mesh_load_clip(struct pool *pool, const char *path, struct clip *clip,
-                   struct mesh *mesh)
+/* Reads a file of any known format and checks it. */
+static int read_file(struct pool *pool, const char *path, struct clip *clip,
+                     struct mesh *mesh)
 {
     memset(mesh, 0, sizeof *mesh);
     if (!file_exists(path) || file_is_directory(path))
@@ -188,7 +184,34 @@ int mesh_load_clip(struct pool *pool, const char *path, struct clip *clip,
         complain(APP_OK, "%s: its animation moves no triangle", path);
         clip->frames = 0;
     }
-    return status == APP_OK && !ply ? weld(mesh, clip) : status;
+    return status;
+}
+
+int mesh_load(struct pool *pool, const char *path, struct mesh *mesh)
+{
+    return mesh_load_clip(pool, path, NULL, mesh);
+}
+
+int mesh_load_plain(struct pool *pool, const char *path, struct mesh *mesh)
+{
+    return read_file(pool, path, NULL, mesh);
+}
+
+int mesh_load_clip(struct pool *pool, const char *path, struct clip *clip,
+                   struct mesh *mesh)
+{
+    int status = read_file(pool, path, clip, mesh);
+    return status == APP_OK ? mesh_merge(path, mesh, clip) : status;
+}
+
+int mesh_merge(const char *path, struct mesh *mesh, struct clip *clip)
+{
+    return ends_with(path, "ply") ? APP_OK : weld(mesh, clip);
+}
+
+bool mesh_ordered(const char *path)
+{
+    return ends_with(path, "ply") || ends_with(path, "off");
 }
 
 int64_t mesh_degenerate(const struct mesh *mesh)

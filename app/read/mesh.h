@@ -23,6 +23,19 @@ int mesh_load(struct pool *pool, const char *path, struct mesh *mesh);
 int mesh_load_clip(struct pool *pool, const char *path, struct clip *clip,
                    struct mesh *mesh);
 
+/* The same without an animation, and without merging: all vertices that the
+ * reader gives, in its order. */
+int mesh_load_plain(struct pool *pool, const char *path, struct mesh *mesh);
+/* Merges, unless the file is PLY, vertices that are at the same place in all
+ * frames of clip, which were loaded plainly. APP_OK, or APP_FAILED. */
+int mesh_merge(const char *path, struct mesh *mesh, struct clip *clip);
+/* Whether mesh_load_plain has vertices of such a file in the file's order. */
+bool mesh_ordered(const char *path);
+/* Reads the frames of a point cache (.pc2) of a mesh of nv vertices; clip->dt
+ * is in frames. APP_OK, or the exit code after one line. */
+int pc2_load(struct pool *pool, const char *path, int64_t nv,
+             struct clip *clip);
+
 /* Returns the number of triangles with two equal corners or no area in
  * binary64. */
 int64_t mesh_degenerate(const struct mesh *mesh);

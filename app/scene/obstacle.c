@@ -3,17 +3,13 @@
 #include "app/base/app.h"
 #include "app/base/file.h"
 #include "app/scene/bodies.h"
+#include "app/scene/limb.h"
+#include "app/scene/sequence.h"
 #include "app/scene/shapes.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* A deforming obstacle: numbered files of the same mesh. */
-struct series {
-    char *files; /* with one %d, as frames/wave_%04d.ply */
-    int first, count;
-    double dt;
-};
 struct obstacle {
     drape_obstacle out;
     char *name, *file;
@@ -21,30 +17,9 @@ struct obstacle {
     struct look look;
     struct shape shape;
     struct placement placement;
-    struct series series;
+    struct sequence sequence;
+    struct limb limb;
 };
-
-static int read_series(struct json *json, json_t *node, void *out)
-{
-    static const struct json_key keys[] = {
-        TEXT_KEY("files", offsetof(struct series, files)),
-        INTEGER_KEY("first", offsetof(struct series, first), 0, 1e9),
-        INTEGER_KEY("count", offsetof(struct series, count), 1, 1e6),
-        NUMBER_KEY("dt", offsetof(struct series, dt), 1e-6, 1e6),
-        {0}};
-    struct series *series = out;
-    series->dt = 1.0 / 60;
-    int status = json_fields(json, node, keys, series);
-    if (status != APP_OK)
-        return status;
-    const char *percent = series->files ? strchr(series->files, '%') : NULL;
-    const char *d =
-        percent ? percent + 1 + strspn(percent + 1, "0123456789") : NULL;
-    if (!d || d - percent > 4 || *d != 'd' || strchr(d, '%') || !series->count)
-        return json_refuse(json, "expected files with one %%d or %%04d in "
-                                 "the name, and count");
-    return APP_OK;
-}
 
 /* The name of an animation, or false for none. */
 static int read_clip(struct json *json, json_t *node, void *out)
@@ -83,8 +58,7 @@ static bool find_in_list(const char *list, const char *name,
 /* Where a mesh is looked for: as named from the scene's folder, then in the
  * folders of $DRAPE_MODELS, in models/ of $DRAPE_DATA, or of build/data without
  * it, and in build/models. */
-static int find_mesh(const struct json *json, const char *name,
-                     char path[FILE_PATH])
+int find_mesh(const struct json *json, const char *name, char path[FILE_PATH])
 {
     const struct scene *scene = json->user;
     char folder[FILE_PATH];
@@ -115,26 +89,19 @@ static int find_mesh(const struct json *json, const char *name,
                        name, folders[0], models);
 }
 
-static int load(struct json *json, const char *name, struct clip *clip,
-                struct mesh *mesh)
-{
-    char path[FILE_PATH];
-    int status = find_mesh(json, name, path);
-    if (status == APP_OK)
-        status = mesh_load_clip(json->pool, path, clip, mesh);
-    if (status == APP_OK && clip && *clip->others)
-        complain(APP_OK,
-                 "%s: has several animations, of which the first is taken: %s; "
-                 "the key animation names another, or false for none",
-                 path, clip->others);
-    return status;
-}
-
 /* Loads the mesh of a file, with its animation as frames. */
 static int load_file(struct json *json, struct obstacle *o, struct mesh *mesh)
 {
     struct clip clip = {.name = o->clip};
-    int status = load(json, o->file, &clip, mesh);
+    char path[FILE_PATH];
+    int status = find_mesh(json, o->file, path);
+    if (status == APP_OK)
+        status = mesh_load_clip(json->pool, path, &clip, mesh);
+    if (status == APP_OK && *clip.others)
+        complain(APP_OK,
+                 "%s: has several animations, of which the first is taken: %s; "
+                 "the key animation names another, or false for none",
+                 path, clip.others);
     if (status != APP_OK || !clip.frames)
         return status;
     if (o->out.motion >= 0)
@@ -147,48 +114,6 @@ static int load_file(struct json *json, struct obstacle *o, struct mesh *mesh)
     o->out.frames = clip.frames;
     o->out.frame_dt = clip.dt;
     o->out.frame = (const double(*)[3])clip.x;
-    return APP_OK;
-}
-
-/* Loads the frames of a deforming obstacle; the first is also its mesh. */
-static int load_series(struct json *json, struct obstacle *o, struct mesh *mesh)
-{
-    drape_obstacle *out = &o->out;
-    const struct series *s = &o->series;
-    double(*frame)[3] = NULL;
-    for (int k = 0; k < s->count; k++) {
-        char name[FILE_PATH];
-        const char *percent = strchr(s->files, '%');
-        int width = atoi(percent + 1);
-        snprintf(name, sizeof name, "%.*s%0*d%s", (int)(percent - s->files),
-                 s->files, width, s->first + k, strchr(percent, 'd') + 1);
-        struct mesh here;
-        int status = load(json, name, NULL, &here);
-        if (status != APP_OK)
-            return status;
-        if (k == 0) {
-            *mesh = here;
-            frame = pool_take(json->pool, (size_t)s->count * (size_t)here.nv,
-                              sizeof *frame);
-            if (!frame)
-                return complain(APP_FAILED, "out of memory");
-        }
-        if (here.nv != mesh->nv || here.nt != mesh->nt)
-            return json_refuse(json,
-                               "%s: another number of vertices or "
-                               "triangles than the first",
-                               name);
-        if (memcmp(here.tri, mesh->tri, (size_t)mesh->nt * sizeof *mesh->tri) !=
-            0)
-            return json_refuse(json, "%s: other triangles than the first",
-                               name);
-        memcpy(frame + (size_t)k * (size_t)mesh->nv, here.x,
-               (size_t)mesh->nv * sizeof *frame);
-    }
-    mesh_place_frames(frame, mesh->nv, s->count, &o->placement);
-    out->frames = s->count;
-    out->frame_dt = s->dt;
-    out->frame = (const double(*)[3])frame;
     return APP_OK;
 }
 
@@ -231,15 +156,18 @@ static void say_idle(struct json *json, json_t *node, const struct obstacle *o)
     static const struct {
         const char *name[2];
         int shapes; /* bits: of which it is */
-    } keys[] = {{{"extent"}, 1 << SHAPE_PLANE | 1 << SHAPE_BOX},
-                {{"radius"},
-                 1 << SHAPE_SPHERE | 1 << SHAPE_CAPSULE | 1 << SHAPE_FUNNEL},
-                {{"length"}, 1 << SHAPE_CAPSULE | 1 << SHAPE_FUNNEL},
-                {{"throat"}, 1 << SHAPE_FUNNEL},
-                {{"height"}, 1 << SHAPE_FUNNEL | 1 << SHAPE_STATUE},
-                {{"detail"},
-                 1 << SHAPE_SPHERE | 1 << SHAPE_CAPSULE | 1 << SHAPE_FUNNEL |
-                     1 << SHAPE_STATUE}};
+    } keys[] = {
+        {{"extent"}, 1 << SHAPE_PLANE | 1 << SHAPE_BOX},
+        {{"radius"},
+         1 << SHAPE_SPHERE | 1 << SHAPE_CAPSULE | 1 << SHAPE_LIMB |
+             1 << SHAPE_FUNNEL},
+        {{"length"}, 1 << SHAPE_CAPSULE | 1 << SHAPE_LIMB | 1 << SHAPE_FUNNEL},
+        {{"bend"}, 1 << SHAPE_LIMB},
+        {{"throat"}, 1 << SHAPE_FUNNEL},
+        {{"height"}, 1 << SHAPE_FUNNEL | 1 << SHAPE_STATUE},
+        {{"detail"},
+         1 << SHAPE_SPHERE | 1 << SHAPE_CAPSULE | 1 << SHAPE_LIMB |
+             1 << SHAPE_FUNNEL | 1 << SHAPE_STATUE}};
     static const char *const axis[] = {"axis", NULL};
     static const char *const check[] = {"check", NULL};
     for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
@@ -252,20 +180,31 @@ static void say_idle(struct json *json, json_t *node, const struct obstacle *o)
     json_leave(json, length);
 }
 
-/* Makes the obstacle's mesh; exactly one of mesh, shape and frames is given. */
+/* Makes the obstacle's mesh; exactly one of mesh, shape and frames is given,
+ * but for a point cache, which has a mesh beside it. */
 static int make(struct json *json, struct obstacle *o)
 {
     struct mesh mesh = {0};
-    bool shape = o->shape.kind != SHAPE_NONE, series = o->series.files;
-    if (shape + series + (o->file != NULL) != 1)
+    const struct sequence *s = &o->sequence;
+    bool shape = o->shape.kind != SHAPE_NONE, cache = s->file != NULL;
+    if (shape + (s->files != NULL) + (o->file != NULL) != 1 &&
+        !(cache && !shape))
         return json_refuse(json, "expected one of mesh, shape and frames");
-    int status = series  ? load_series(json, o, &mesh)
-                 : shape ? shape_make(json->pool, &o->shape, &mesh)
-                         : load_file(json, o, &mesh);
+    bool bends = o->limb.keys && o->shape.kind == SHAPE_LIMB;
+    if (o->clip && (!o->file || cache))
+        return json_refuse(json, "animation: expected a mesh beside it");
+    int status =
+        s->files || cache
+            ? sequence_load(json, s, o->file, &o->placement, &mesh, &o->out)
+        : shape ? shape_make(json->pool, &o->shape, &mesh)
+                : load_file(json, o, &mesh);
     if (status != APP_OK)
         return status;
-    if (o->clip && !o->file)
-        return json_refuse(json, "animation: expected a mesh beside it");
+    if (bends)
+        status =
+            limb_bend(json, &o->limb, &o->shape, &o->placement, &mesh, &o->out);
+    if (status != APP_OK)
+        return status;
     mesh_place(&mesh, &o->placement);
     if (!shape)
         compare(json, o, &mesh);
@@ -278,7 +217,7 @@ static int make(struct json *json, struct obstacle *o)
 }
 
 static const char *const shape_names[] = {
-    "plane", "box", "sphere", "capsule", "funnel", "statue", NULL};
+    "plane", "box", "sphere", "capsule", "limb", "funnel", "statue", NULL};
 
 static int read_obstacle(struct json *json, json_t *node, void *out)
 {
@@ -287,7 +226,8 @@ static int read_obstacle(struct json *json, json_t *node, void *out)
         TEXT_KEY("name", O(name)),
         TEXT_KEY("mesh", O(file)),
         CHOICE_KEY("shape", O(shape.kind), shape_names),
-        NESTED_KEY("frames", O(series), read_series),
+        NESTED_KEY("frames", O(sequence), read_sequence),
+        NESTED_KEY("bend", O(limb), read_limb),
         NESTED_KEY("animation", O(clip), read_clip),
         VECTOR_KEY("extent", O(shape.extent), 1e-6, 1e6, 3),
         NUMBER_KEY("radius", O(shape.radius), 1e-6, 1e6),

@@ -157,16 +157,22 @@ static int make_box(struct pool *pool, const struct shape *s, struct mesh *mesh)
     return APP_OK;
 }
 
-/* Makes a capsule: a sphere whose halves are `length` apart along y. */
+/* Makes a capsule: a sphere whose halves are `length` apart along y, with this
+ * number of bands of triangles between them. */
 static int make_capsule(struct pool *pool, const struct shape *s, double length,
-                        struct mesh *mesh)
+                        int bands, struct mesh *mesh)
 {
     int half = (s->detail / 2 + 1) / 2, k = 0;
     struct lathe lathe = {.around = s->detail};
-    lathe.profile = pool_take(pool, 2 * (size_t)half + 2, sizeof(double[2]));
+    lathe.profile = pool_take(pool, 2 * (size_t)half + 2 + (size_t)bands,
+                              sizeof(double[2]));
     if (!lathe.profile)
         return complain(APP_FAILED, "out of memory");
-    for (int side = -1; side <= 1; side += 2)
+    for (int side = -1; side <= 1; side += 2) {
+        for (int j = 1; side > 0 && j < bands; j++) {
+            lathe.profile[k][0] = s->radius;
+            lathe.profile[k++][1] = length * j / bands - length / 2;
+        }
         for (int j = 0; j <= half; j++) {
             double c, y;
             int step = side < 0 ? j - half : j;
@@ -177,8 +183,17 @@ static int make_capsule(struct pool *pool, const struct shape *s, double length,
             lathe.profile[k][0] = pole ? 0 : s->radius * c;
             lathe.profile[k++][1] = s->radius * y + side * length / 2;
         }
+    }
     lathe.rings = k;
     return turn(pool, &lathe, mesh);
+}
+
+/* As long as the triangles are wide, and an even number, so that a ring is
+ * where a limb begins to bend, and one where it ends; at most 2^15. */
+static int limb_bands(const struct shape *s)
+{
+    double n = s->length * s->detail / (2 * pi * s->radius);
+    return 4 * (1 + (int)fmin(n / 4, 1 << 13));
 }
 
 static int make_funnel(struct pool *pool, const struct shape *s,
@@ -247,9 +262,12 @@ int shape_make(struct pool *pool, const struct shape *shape, struct mesh *mesh)
     case SHAPE_BOX:
         return make_box(pool, shape, mesh);
     case SHAPE_SPHERE:
-        return make_capsule(pool, shape, 0, mesh);
+        return make_capsule(pool, shape, 0, 1, mesh);
     case SHAPE_CAPSULE:
-        return make_capsule(pool, shape, shape->length, mesh);
+        return make_capsule(pool, shape, shape->length, 1, mesh);
+    case SHAPE_LIMB:
+        return make_capsule(pool, shape, shape->length, limb_bands(shape),
+                            mesh);
     case SHAPE_FUNNEL:
         return make_funnel(pool, shape, mesh);
     default:

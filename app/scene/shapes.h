@@ -15,6 +15,7 @@ enum shape_kind {
     SHAPE_BOX,
     SHAPE_SPHERE,
     SHAPE_CAPSULE,
+    SHAPE_LIMB,
     SHAPE_FUNNEL,
     SHAPE_STATUE,
     SHAPE_NONE
@@ -22,8 +23,9 @@ enum shape_kind {
 struct shape {
     int kind;
     double extent[3]; /* m; plane: x and z, box: x, y, z */
-    double radius;    /* m; sphere, capsule, the funnel's rim */
-    double length;    /* m; capsule between its centres, the funnel's spout */
+    double radius;    /* m; sphere, capsule, limb, the funnel's rim */
+    double length;    /* m; capsule and limb between their centres, the funnel's
+                         spout */
     double throat;    /* m; radius of the funnel's spout */
     double height;    /* m; the funnel's cone, the statue */
     int detail;       /* segments around, ≥ 8 */

@@ -7,17 +7,19 @@ extern "C" {
 #include "gpu/world/sheet.h"
 }
 
-/* Thread k owns vertex k: it reads rest, next and motion of the vertex, and
- * writes x[k]; it sets *bad if x[k] is out of range. Any order is correct,
+/* Thread k owns vertex k: it reads rest, the others and motion of the vertex,
+ * and writes x[k]; it sets *bad if x[k] is out of range. Any order is correct,
  * since all threads write the same value to *bad. */
 KERNEL kinematics_kernel(const struct kinematics &s, int64_t *bad)
 {
     ITEM(k, s.n);
     double a[3], d[3];
     for (int i = 0; i < 3; i++) {
-        a[i] = s.rest[3 * k + i];
-        if (s.next)
-            a[i] += s.blend * (s.next[3 * k + i] - a[i]);
+        double rest = s.rest[3 * k + i];
+        a[i] = rest;
+        for (int f = 0; f < KINEMATICS_OTHERS; f++)
+            if (f < s.others)
+                a[i] += s.weight[f] * (s.other[f][3 * k + i] - rest);
     }
     int32_t motion = s.motion[k];
     if (motion >= 0) {
@@ -49,7 +51,7 @@ void gpu_kinematics_make(struct gpu *g, enum arena_part part,
                          const struct pose *posed, struct kinematics *k)
 {
     *k = *host;
-    k->rest = k->next = NULL;
+    k->rest = NULL;
     double *rest = NULL;
     int32_t *motion = NULL;
     GPU_TAKE_COPY(g, rest, part, host->rest, 3 * host->n);

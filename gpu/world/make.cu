@@ -66,9 +66,9 @@ static void give_prop(struct gpu_world *d, int k)
     *p = *h;
     gpu_kinematics_make(d->gpu, ARENA_OBSTACLE, &h->place, d->world.posed,
                         &p->place);
-    if (h->frames)
+    if (h->frame)
         GPU_TAKE_COPY(d->gpu, p->frame, ARENA_OBSTACLE, h->frame,
-                      3 * h->place.n * h->frames);
+                      3 * h->place.n * h->frames.count);
 }
 
 static int give_response(struct gpu_world *d)

@@ -55,6 +55,7 @@ static void forget(enum core_kind kind, void *body)
     } else {
         drape_obstacle *obstacle = body;
         obstacle->x = obstacle->frame = NULL;
+        obstacle->frame_time = NULL;
         obstacle->tri = NULL;
     }
 }

@@ -42,6 +42,7 @@ from .record import Recorder
 from .referee import Verdict, audit_frames
 from .reports import Memory, Outcome, PlanRow, Status, StepReport, Work
 from .scene import (
+    Bend,
     Camera,
     Cloth,
     Frames,
@@ -71,6 +72,7 @@ def info() -> str:
 
 __all__ = [
     "Audit",
+    "Bend",
     "Body",
     "Camera",
     "CheckpointError",

@@ -138,8 +138,9 @@ def put_mesh(
     kept.append(tri)
     obstacle.tri = ffi.cast("int32_t (*)[3]", tri.ctypes.data)
     obstacle.n_triangles = len(tri)
-    if "frame_dt" in arrays and "vertices" in arrays:
-        raise SceneError(f"{where}: frame_dt: it has no vertex_frames")
+    for key in ("frame_dt", "frame_times", "between"):
+        if key in arrays and "vertices" in arrays:
+            raise SceneError(f"{where}: {key}: it has no vertex_frames")
     if "vertices" in arrays:
         obstacle.x = pointer(arrays["vertices"], (None, 3), f"{where}.vertices")
         obstacle.n_vertices = len(kept[-1])
@@ -149,6 +150,14 @@ def put_mesh(
     obstacle.x = obstacle.frame
     obstacle.frames, obstacle.n_vertices = kept[-1].shape[:2]
     obstacle.frame_dt = arrays.get("frame_dt", 1 / 60)
+    between = arrays.get("between", "linear")
+    if between not in scenes.BETWEEN:
+        raise SceneError(f'{where}: between: {between!r}: expected "linear" or "cubic"')
+    obstacle.between = scenes.BETWEEN.index(between)
+    if "frame_times" in arrays:
+        # the last that is kept are the vertices
+        kept.insert(0, scenes.times(arrays, obstacle.frames, where))
+        obstacle.frame_time = ffi.cast("double *", kept[0].ctypes.data)
 
 
 def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

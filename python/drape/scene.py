@@ -341,13 +341,31 @@ class Frames(Keys):
     Attributes:
         files: with one %d or %04d in the name
         first, count: numbers of the files
-        dt: s between them
+        file: instead of these a point cache (.pc2) of the mesh that the obstacle
+            has, a .ply or .off file
+        dt: s between frames, or times: s, ascending, one a frame
+        between: frames: "linear" or "cubic"
     """
 
     files: str | None = None
     first: int | None = None
     count: int | None = None
+    file: str | os.PathLike[str] | None = None
     dt: float | None = None
+    times: Vector | None = None
+    between: str | None = None
+
+
+@dataclass(kw_only=True, eq=False, repr=False)
+class Bend(Keys):
+    """How far a limb is bent at a time.
+
+    Attributes:
+        time: s; angle: degrees
+    """
+
+    time: float | None = None
+    angle: float | None = None
 
 
 @dataclass(kw_only=True, eq=False, repr=False)
@@ -357,10 +375,11 @@ class Obstacle(Keys):
     Attributes:
         mesh: a file; or a mesh as it is: an object of trimesh, pyvista, Open3D or
             meshio, or a pair (vertices, triangles) of arrays
-        shape: "plane", "box", "sphere", "capsule", "funnel" or "statue"
+        shape: "plane", "box", "sphere", "capsule", "limb", "funnel" or "statue"
         animation: of a mesh that has several, the name of the one that is
             played; False: none
         frames: mesh files of an obstacle that deforms
+        bend: of a limb, how far it is bent at some times
         extent, radius, length, throat, height: of the shape, m; detail:
             segments around it
         up: [3] direction of the mesh that becomes +y; size: its largest
@@ -371,13 +390,19 @@ class Obstacle(Keys):
         vertices: [n, 3] m, where they are in the scene, with triangles: [k, 3]
             their numbers, instead of `mesh` and its placement
         vertex_frames: [f, n, 3] m, of an obstacle that deforms, instead of
-            `vertices`, every frame_dt s
+            `vertices`, every frame_dt s, or at frame_times: [f] s, ascending;
+            between: frames, "linear" or "cubic"
+        sequence: of an obstacle that deforms, instead of `vertex_frames`: a file
+            of USD, Alembic, .npz or glTF whose meshes move, or one of these as
+            `read_meshes` returns it, with their triangles and times; a point
+            cache (.pc2) of its `mesh`; or vertex_frames themselves
     """
 
     name: str | None = None
     mesh: str | os.PathLike[str] | Any | None = None
     shape: str | None = None
     frames: Frames | None = None
+    bend: Sequence[Bend] | None = None
     extent: Vector | None = None
     radius: float | None = None
     length: float | None = None
@@ -399,6 +424,9 @@ class Obstacle(Keys):
     triangles: ArrayLike | None = None
     vertex_frames: ArrayLike | None = None
     frame_dt: float | None = None
+    frame_times: ArrayLike | None = None
+    between: str | None = None
+    sequence: str | os.PathLike[str] | Any | None = None
 
 
 @dataclass(kw_only=True, eq=False, repr=False)
@@ -482,8 +510,12 @@ class Scene(Keys):
             if isinstance(file := obstacle.mesh, str):
                 beside = os.path.join(folder, file)
                 obstacle.mesh = beside if os.path.exists(beside) else file
-            if isinstance(obstacle.frames, Frames) and obstacle.frames.files:
-                obstacle.frames.files = os.path.join(folder, obstacle.frames.files)
+            if isinstance(frames := obstacle.frames, Frames):
+                for name in ("files", "file"):
+                    if isinstance(file := getattr(frames, name), str):
+                        setattr(frames, name, os.path.join(folder, file))
+            if isinstance(file := obstacle.sequence, str):
+                obstacle.sequence = os.path.join(folder, file)
         read_scene(dataclasses.replace(read(made), file=text.file))
         return made
 
@@ -566,8 +598,15 @@ def _put_mesh(folder: Path, name: str, arrays: Arrays, k: int) -> dict[str, Any]
     )
     for at, x in enumerate(frames):
         _whole.write(folder / f"{name}_{at:04d}.ply", _meshes.ply(x, tri))
-    series = {"files": f"{name}_%04d.ply", "first": 0, "count": len(frames)}
-    return {"frames": {**series, "dt": float(arrays.get("frame_dt", 1 / 60))}}
+    series: dict[str, Any] = {"files": f"{name}_%04d.ply", "first": 0}
+    series["count"] = len(frames)
+    if "frame_times" in arrays:
+        series["times"] = times(arrays, len(frames), where).tolist()
+    else:
+        series["dt"] = float(arrays.get("frame_dt", 1 / 60))
+    if "between" in arrays:
+        series["between"] = str(arrays["between"])
+    return {"frames": series}
 
 
 # The classes of a class's keys that are objects, or lists of objects.
@@ -577,7 +616,7 @@ INSIDE: dict[type[Any], dict[str, type[Any]]] = {
         **{"start": Start, "material": Material, "holes": Region, "cuts": Region},
         **{"pins": Pin, "look": Look},
     },
-    Obstacle: {"frames": Frames, "look": Look},
+    Obstacle: {"frames": Frames, "bend": Bend, "look": Look},
     Scene: {
         **{"cloths": Cloth, "obstacles": Obstacle, "motions": Motion},
         **{"wind": Wind, "camera": Camera},
@@ -586,8 +625,11 @@ INSIDE: dict[type[Any], dict[str, type[Any]]] = {
 
 CLOTH_ARRAYS = ("positions", "velocities")
 # What is in a scene's file if it may have what the tool's reader does not know.
-BEYOND_THE_TOOL = ('"positions"', '"velocities"', *PYTHONS)
-OBSTACLE_ARRAYS = ("vertices", "triangles", "vertex_frames", "frame_dt")
+BEYOND_THE_TOOL = ('"positions"', '"velocities"', '"sequence"', *PYTHONS)
+# What says when the frames of an obstacle are, and how it goes between them.
+FRAME_TIMES = ("frame_dt", "frame_times", "between")
+OBSTACLE_ARRAYS = ("vertices", "triangles", "vertex_frames", *FRAME_TIMES)
+BETWEEN = ("linear", "cubic")  # by enum drape_between
 # What a scene's file may say of an obstacle whose mesh is given by arrays.
 OBSTACLE_KEYS = ("name", "friction", "motion", "look")
 
@@ -685,12 +727,51 @@ def _take_cloth(k: int, body: Any) -> Arrays:
     return arrays
 
 
+def _take_sequence(
+    body: dict[str, Any], arrays: Arrays, folder: str, where: str
+) -> None:
+    """Puts in the place of an obstacle's sequence what it stands for: arrays, or of
+    a point cache the keys of the tool's reader."""
+    from .meshes import Mesh, merged, read_meshes
+
+    sequence = body.pop("sequence")
+    for key in ("vertices", "vertex_frames", "frames"):
+        if key in arrays or body.get(key) is not None:
+            raise SceneError(f"{where}: it has {key}, too")
+    if not isinstance(sequence, (str, os.PathLike, Mesh)):
+        arrays["vertex_frames"] = sequence
+        return
+    if not isinstance(sequence, Mesh) and str(sequence).lower().endswith(".pc2"):
+        if body.get("mesh") is None:
+            raise SceneError(f"{where}: expected the mesh that the point cache moves")
+        keys = dict(zip(FRAME_TIMES, ("dt", "times", "between"), strict=True))
+        given = {keys[name]: arrays.pop(name) for name in FRAME_TIMES if name in arrays}
+        body["frames"] = {"file": os.fspath(sequence), **given}
+        return
+    for key in ("mesh", "triangles"):
+        if key in arrays or body.get(key) is not None:
+            raise SceneError(f"{where}: it has triangles, and so has {key}")
+    meshes = (
+        {sequence.name: sequence}
+        if isinstance(sequence, Mesh)
+        else read_meshes(os.path.join(folder, sequence))
+    )
+    found = merged(meshes, where)
+    if "vertex_frames" not in found:
+        raise SceneError(f"{where}: none of its meshes moves")
+    if "frame_times" in arrays:
+        del found["frame_dt"]
+    arrays.update({**found, **arrays})
+
+
 def _take_obstacle(k: int, body: Any, folder: str) -> Arrays:
     """Takes an obstacle's arrays; the reader gets a plane in their place, which
     the world's definition never sees."""
     from .meshes import Mesh, merged, read_meshes
 
     arrays = _take(body, OBSTACLE_ARRAYS)
+    if isinstance(body, dict) and body.get("sequence") is not None:
+        _take_sequence(body, arrays, folder, f"obstacles[{k}].sequence")
     mesh = body.get("mesh") if isinstance(body, dict) else None
     path = isinstance(mesh, (str, os.PathLike))
     if mesh is not None and (not path or str(mesh).lower().endswith(PYTHONS)):
@@ -785,6 +866,16 @@ def _bodies(tree: dict[str, Any], key: str) -> list[Any]:
     """Returns a scene's list of bodies; what is none is left to the reader."""
     bodies = tree.get(key)
     return bodies if isinstance(bodies, list) else []
+
+
+def times(arrays: Arrays, frames: int, where: str) -> NDArray[Any]:
+    """Returns the times of an obstacle's frames, s."""
+    if "frame_dt" in arrays:
+        raise SceneError(f"{where}: frame_dt: it has frame_times")
+    made = array(arrays["frame_times"], (None,), f"{where}.frame_times")
+    if len(made) != frames:
+        raise SceneError(f"{where}.frame_times: {len(made)} times of {frames} frames")
+    return made
 
 
 def array(

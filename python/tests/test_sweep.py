@@ -418,6 +418,7 @@ def test_jobs_are_data(tmp_path: Path) -> None:
                 "vertex_frames": np.float32([x, x + 1]),
                 "triangles": [[0, 1, 2]],
                 "frame_dt": 0.25,
+                "between": "cubic",
             }
         ],
     }
@@ -428,6 +429,7 @@ def test_jobs_are_data(tmp_path: Path) -> None:
     assert [job.id for job in again] == [job.id for job in jobs]
     assert again[0].scene.cloths[0]["positions"].tobytes() == x.tobytes()
     assert again[0].scene.obstacles[0]["frame_dt"] == 0.25
+    assert again[0].scene.obstacles[0]["between"] == "cubic"
     assert (again[0].frames, again[0].every) == (5, 2)
 
     class Evil:

@@ -176,6 +176,17 @@ static void check_cloth(struct check *c, const drape_cloth *cloth,
     }
 }
 
+/* Checks n times, each later than the one before; NULL: there are none. */
+static void check_ascent(struct check *c, const char *name, int n,
+                         const double *time)
+{
+    for (int k = 0; time && k < n && c->status == DRAPE_OK; k++) {
+        check_number(c, name, time[k], k ? time[k - 1] : -BIG, BIG);
+        if (k && !(time[k] > time[k - 1]))
+            fail_check(c, DRAPE_EARG, "%s %d does not ascend", name, k);
+    }
+}
+
 static void check_motion(struct check *c, const drape_motion *m)
 {
     check_integer(c, "keys", m->keys, 1, 1 << 24);
@@ -183,10 +194,8 @@ static void check_motion(struct check *c, const drape_motion *m)
         return;
     check_vectors(c, "position", m->keys, m->position);
     check_vectors(c, "pivot", 1, &m->pivot);
+    check_ascent(c, "time", m->keys, m->time);
     for (int k = 0; k < m->keys && c->status == DRAPE_OK; k++) {
-        check_number(c, "time", m->time[k], k ? m->time[k - 1] : -BIG, BIG);
-        if (k && !(m->time[k] > m->time[k - 1]))
-            fail_check(c, DRAPE_EARG, "time %d does not ascend", k);
         double qq = 0;
         for (int i = 0; m->rotation && i < 4; i++) {
             check_number(c, "rotation", m->rotation[k][i], -BIG, BIG);
@@ -195,6 +204,21 @@ static void check_motion(struct check *c, const drape_motion *m)
         if (m->rotation && !(fabs(qq - 1) <= 1e-6))
             fail_check(c, DRAPE_EARG, "rotation %d is not a unit quaternion",
                        k);
+    }
+}
+
+/* Checks the times and the places of a mesh that deforms. */
+static void check_frames(struct check *c, const drape_obstacle *o)
+{
+    if (!o->frame_time)
+        check_positive(c, "frame_dt", o->frame_dt);
+    check_ascent(c, "frame_time", o->frames, o->frame_time);
+    if (!check_array(c, "frame", o->frames, o->frame))
+        return;
+    for (int k = 0; k < o->frames && c->status == DRAPE_OK; k++) {
+        char name[32];
+        snprintf(name, sizeof name, "frame %d vertex", k);
+        check_vectors(c, name, o->n_vertices, o->frame + k * o->n_vertices);
     }
 }
 
@@ -216,8 +240,8 @@ static void check_obstacle(struct check *c, const drape_obstacle *o,
     if (o->frames) {
         if (o->motion >= 0)
             fail_check(c, DRAPE_EARG, "has both a motion and frames");
-        check_positive(c, "frame_dt", o->frame_dt);
-        check_vectors(c, "frame vertex", o->frames * o->n_vertices, o->frame);
+        check_integer(c, "between", o->between, DRAPE_LINEAR, DRAPE_CUBIC);
+        check_frames(c, o);
     }
 }
 

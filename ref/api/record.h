@@ -40,7 +40,7 @@ struct record_head {
 };
 /* The last character is the number of this format, and of the layout of the
  * structs of drape.h that records hold. */
-#define RECORD_MAGIC "drL2"
+#define RECORD_MAGIC "drL3"
 /* The hash `check` of a head and of the bytes that follow it. */
 uint64_t record_check(struct record_head h, const void *data);
 

@@ -6,7 +6,7 @@
 #include "ref/api/record.h"
 #include "ref/base/hash.h"
 
-enum { WORD = 8, CLOTH_PIECES = 5, MESH_PIECES = 3 };
+enum { WORD = 8, CLOTH_PIECES = 5, MESH_PIECES = 4 };
 
 /* An array that a definition points to; at: NULL: it has none. */
 struct piece {
@@ -43,6 +43,8 @@ static void mesh_pieces(const drape_obstacle *o, struct piece p[MESH_PIECES])
     p[0] = (struct piece){o->x, n};
     p[1] = (struct piece){o->tri, (size_t)o->n_triangles * sizeof *o->tri};
     p[2] = (struct piece){o->frames ? o->frame : NULL, n * (size_t)o->frames};
+    p[3] = (struct piece){o->frames ? o->frame_time : NULL,
+                          (size_t)o->frames * sizeof *o->frame_time};
 }
 
 /* Writes a record of a definition with its pointers and its pieces. The words
@@ -94,10 +96,16 @@ void record_cloth(drape_world *world, const drape_cloth *cloth)
 void record_obstacle(drape_world *world, const drape_obstacle *obstacle)
 {
     struct piece p[MESH_PIECES];
-    drape_obstacle o = *obstacle;
+    drape_obstacle o;
     mesh_pieces(obstacle, p);
-    o.x = o.frame = NULL;
-    o.tri = NULL;
+    memset(&o, 0, sizeof o); /* so that its padding has known bytes */
+    o.n_vertices = obstacle->n_vertices;
+    o.n_triangles = obstacle->n_triangles;
+    o.friction = obstacle->friction;
+    o.motion = obstacle->motion;
+    o.frames = obstacle->frames;
+    o.between = obstacle->between;
+    o.frame_dt = obstacle->frame_dt;
     write_record(world, RECORD_MESH, &o, sizeof o, p, MESH_PIECES);
 }
 
@@ -159,6 +167,7 @@ int record_obstacle_of(const uint8_t *data, int64_t bytes,
     o.x = (const double(*)[3])p[0].at;
     o.tri = (const int32_t(*)[3])p[1].at;
     o.frame = (const double(*)[3])p[2].at;
+    o.frame_time = p[3].at;
     *obstacle = o;
     return DRAPE_OK;
 }

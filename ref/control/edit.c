@@ -54,17 +54,19 @@ static int define_obstacle(const struct world *w, int k, struct arena *arena,
     for (int64_t t = 0; t < n; t++)
         for (int i = 0; i < 3; i++)
             tri[t][i] = h->tri[first + t][i] - (int32_t)p->first;
-    const double *x = p->frames ? p->frame : p->place.rest;
+    const double *x = p->frame ? p->frame : p->place.rest;
     *def = (drape_obstacle){.n_vertices = p->place.n,
                             .n_triangles = n,
                             .x = (const double(*)[3])x,
                             .tri = (const int32_t(*)[3])tri,
                             .friction = (double)h->surface[body].friction,
                             .motion = p->place.motion[0],
-                            .frames = p->frames,
-                            .frame_dt = p->frame_dt,
-                            .frame = p->frames ? (const double(*)[3])p->frame
-                                               : NULL};
+                            .frames = p->frames.count,
+                            .between = p->frames.between,
+                            .frame_dt = p->frames.dt,
+                            .frame_time = p->frames.time,
+                            .frame =
+                                p->frame ? (const double(*)[3])p->frame : NULL};
     return DRAPE_OK;
 }
 
@@ -168,8 +170,8 @@ static int begin_obstacle(struct world *w, int k)
         return DRAPE_OK;
     for (int i = 0; i < h->def.n_motions; i++)
         h->pose[i] = kinematics_pose(&h->def.motions[i], w->time);
-    if (p->frames)
-        prescribe_frame(p, w->time);
+    if (p->frame)
+        kinematics_frame(&p->frames, p->frame, w->time, &p->place);
     p->place.x = h->x0 + p->first;
     int status = ref_kinematics(&p->place);
     resend_vectors(w, w->x0 + p->first, p->place.x, p->place.n);

@@ -201,7 +201,7 @@ int control_pose(struct world *w, int obstacle, const drape_motion *motion)
 {
     struct prop *p = &w->prop[obstacle];
     struct pose pose = kinematics_pose(motion, 0);
-    if (p->frames)
+    if (p->frame)
         return DRAPE_EARG;
     w->run->begin(w->on);
     int status = control_take_targets(w);

@@ -88,6 +88,11 @@ static uint64_t print_obstacle(const drape_obstacle *o)
     h = hash_mix(h, &o->motion, sizeof o->motion);
     h = hash_mix(h, &o->frames, sizeof o->frames);
     h = hash_mix(h, &o->frame_dt, sizeof o->frame_dt);
+    /* of what is not set nothing: old checkpoints stay valid */
+    if (o->between)
+        h = hash_mix(h, &o->between, sizeof o->between);
+    if (shown && o->frame_time)
+        h = mix_array(h, o->frame_time, o->frames, sizeof *o->frame_time);
     h = mix_array(h, o->x, o->n_vertices, sizeof *o->x);
     h = mix_array(h, o->tri, o->n_triangles, sizeof *o->tri);
     return mix_array(h, shown ? o->frame : NULL, shown, sizeof *o->frame);

@@ -239,12 +239,18 @@ static int fill_obstacle(struct world *w, const drape_obstacle *def, int k)
     if (def->frames)
         p->frame = take_stream(w, ARENA_OBSTACLE, 3 * n * def->frames,
                                sizeof *p->frame);
+    double *time =
+        def->frames && def->frame_time
+            ? take_stream(w, ARENA_OBSTACLE, def->frames, sizeof *time)
+            : NULL;
     if (w->arena->failed)
         return DRAPE_ENOMEM;
     memcpy(rest, def->x, (size_t)(3 * n) * sizeof *rest);
     if (def->frames)
         memcpy(p->frame, def->frame,
                (size_t)(3 * n * def->frames) * sizeof *p->frame);
+    if (time)
+        memcpy(time, def->frame_time, (size_t)def->frames * sizeof *time);
     for (int64_t i = 0; i < n; i++) {
         motion[i] = def->motion;
         w->body[p->first + i] = (uint16_t)(w->def.n_cloths + k);
@@ -258,8 +264,8 @@ static int fill_obstacle(struct world *w, const drape_obstacle *def, int k)
     p->place.motion = motion;
     p->place.pose = w->pose;
     p->place.poses = w->def.n_motions;
-    p->frames = def->frames;
-    p->frame_dt = def->frame_dt;
+    p->frames =
+        (struct sequence){def->frames, def->between, def->frame_dt, time};
     p->moves = def->motion >= 0 || def->frames > 0;
     return DRAPE_OK;
 }

@@ -61,13 +61,92 @@ struct pose kinematics_pose(const drape_motion *motion, double t)
     return pose;
 }
 
+/* §4.1: returns the last frame at or before time t, or the first, and in *part
+ * how much of the way to the next frame has passed. */
+static int find_frame(const struct sequence *s, double t, double *part)
+{
+    int low = 0, high = s->count - 1;
+    *part = 0;
+    if (!s->time) {
+        double at = t / s->dt;
+        if (!(at > 0))
+            return 0;
+        if (at >= high)
+            return high;
+        *part = at - (int)at;
+        return (int)at;
+    }
+    if (!(t > s->time[0]))
+        return 0;
+    if (t >= s->time[high])
+        return high;
+    while (low + 1 < high) {
+        int middle = low + (high - low) / 2;
+        *(s->time[middle] <= t ? &low : &high) = middle;
+    }
+    *part = (t - s->time[low]) / (s->time[high] - s->time[low]);
+    return low;
+}
+
+/* §4.3: the time from frame k to the next, over that and the time from another
+ * frame to its next. */
+static double share_of(const struct sequence *s, int k, int other)
+{
+    if (!s->time)
+        return 0.5;
+    double here = s->time[k + 1] - s->time[k];
+    return here / (here + (s->time[other + 1] - s->time[other]));
+}
+
+/* Adds frame `index` to what a place is made of. */
+static void add_frame(struct kinematics *s, const double *frame, int64_t index,
+                      double weight)
+{
+    s->other[s->others] = frame + 3 * s->n * index;
+    s->weight[s->others++] = weight;
+}
+
+/* §4.2, §4.3: a cubic, a of the way from frame k to the next. */
+static void add_cubic(const struct sequence *frames, const double *frame, int k,
+                      double a, struct kinematics *s)
+{
+    bool first = k == 0, last = k + 2 == frames->count;
+    double leave = first ? 0 : share_of(frames, k, k - 1);
+    double reach = last ? 0 : share_of(frames, k, k + 1);
+    double out = a * (1 - a) * (1 - a), in = a * a * (a - 1);
+    add_frame(s, frame, k + 1,
+              a * a * (3 - 2 * a) + out * (first ? 2 : leave) +
+                  in * (last ? 2 - leave : 0));
+    if (!first)
+        add_frame(s, frame, k - 1, -leave * (last ? out - in : out));
+    if (!last)
+        add_frame(s, frame, k + 2, reach * (first ? in - out : in));
+}
+
+void kinematics_frame(const struct sequence *frames, const double *frame,
+                      double t, struct kinematics *s)
+{
+    double part;
+    int k = find_frame(frames, t, &part);
+    s->rest = frame + 3 * s->n * k;
+    s->others = 0;
+    if (!(part > 0))
+        return;
+    if (frames->between == DRAPE_CUBIC && frames->count > 2)
+        add_cubic(frames, frame, k, part, s);
+    else
+        add_frame(s, frame, k + 1, part);
+}
+
 static bool place_vertex(const struct kinematics *s, int64_t k)
 {
     double a[3], d[3];
     for (int i = 0; i < 3; i++) {
-        a[i] = s->rest[3 * k + i];
-        if (s->next)
-            a[i] += s->blend * (s->next[3 * k + i] - a[i]);
+        double rest = s->rest[3 * k + i];
+        a[i] = rest;
+        for (int f = 0; f < KINEMATICS_OTHERS; f++)
+            if (f < s->others)
+                a[i] += s->weight[f] * (s->other[f][3 * k + i] - rest);
     }
     if (s->motion[k] >= 0) {
         const struct pose *p = &s->pose[s->motion[k]];

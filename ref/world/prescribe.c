@@ -6,22 +6,6 @@
 #include "ref/base/prescribed.h"
 #include "ref/world/slice.h"
 
-void prescribe_frame(struct prop *p, double t)
-{
-    struct kinematics *k = &p->place;
-    double at = t / p->frame_dt;
-    int last = p->frames - 1, f = 0;
-    k->blend = 0;
-    if (at >= last)
-        f = last;
-    else if (at > 0) {
-        f = (int)at;
-        k->blend = at - f;
-    }
-    k->rest = p->frame + 3 * k->n * f;
-    k->next = k->blend > 0 ? k->rest + 3 * k->n : NULL;
-}
-
 /* control.md §3: writes to x the places of n items of which `from` is the first
  * vertex, on their way to the caller's targets. */
 static void blend_targets(const struct world *w, int64_t first, int64_t n,
@@ -42,8 +26,8 @@ static int prescribe_obstacle(struct world *w, struct prop *p, double t, vec *x)
         blend_targets(w, p->first, p->place.n, NULL, x + p->first);
     if (p->targeted || (!p->moves && t > 0))
         return DRAPE_OK;
-    if (p->frames)
-        prescribe_frame(p, t);
+    if (p->frame)
+        kinematics_frame(&p->frames, p->frame, t, &p->place);
     p->place.x = x + p->first;
     return w->run->kinematics(w->on, &p->place);
 }

@@ -9,9 +9,6 @@
  * pins to w->to. DRAPE_OK, DRAPE_EDATA if one is beyond 2^60, or an error of
  * the backend. */
 int prescribe_positions(struct world *w, double t, vec *x);
-/* Sets the two frames of an obstacle between which time t lies, and the blend
- * between them. */
-void prescribe_frame(struct prop *p, double t);
 /* Whether an obstacle or a pin has another place in x1 than in x0. */
 bool prescribe_moves(const struct world *w);
 /* Sets v1 of the obstacles to their mean velocity over the slice. */

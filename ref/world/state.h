@@ -23,11 +23,10 @@ struct sleep;
 struct prop {
     int64_t first, first_triangle;
     struct kinematics place;
-    double *frame; /* [frames][place.n][3] m; NULL: it has no frames */
-    int frames;
-    double frame_dt;
-    bool moves;    /* it has a motion or frames */
-    bool targeted; /* it goes where the caller says: control.md §5 */
+    double *frame; /* [frames.count][place.n][3] m; NULL: it has no frames */
+    struct sequence frames; /* its times lie on the host */
+    bool moves;             /* it has a motion or frames */
+    bool targeted;          /* it goes where the caller says: control.md §5 */
     int32_t *none; /* [place.n] zeros, the motion of a pose; NULL: not yet */
     struct pose *pose; /* in the memory of the backend; NULL: not yet */
 };

@@ -171,6 +171,16 @@ static const char *refuse_bodies(void)
     REFUSES_DEF(
         (d.g.plate.frames = 2, d.g.plate.frame = (const double(*)[3])d.frame),
         DRAPE_EARG);
+#define FRAMES                                                                 \
+    (d.g.plate.frames = 2, d.g.plate.frame = (const double(*)[3])d.frame,      \
+     d.g.plate.frame_time = d.time)
+    REFUSES_DEF((FRAMES, d.g.plate.frame = NULL), DRAPE_EARG);
+    REFUSES_DEF((FRAMES, d.g.plate.motion = 0), DRAPE_EARG);
+    REFUSES_DEF((FRAMES, d.g.plate.between = -1), DRAPE_EARG);
+    REFUSES_DEF((FRAMES, d.g.plate.between = DRAPE_CUBIC + 1), DRAPE_EARG);
+    REFUSES_DEF((FRAMES, d.time[1] = d.time[0]), DRAPE_EARG);
+    REFUSES_DEF((FRAMES, d.frame[7][2] = (double)NAN), DRAPE_EDATA);
+    REFUSES_DEF((FRAMES, d.frame[7][2] = -0x1p61), DRAPE_EDATA);
     REFUSES_NUMBER(d.g.plate.friction);
     REFUSES_EXTREMES(d.motion.keys);
     REFUSES_DEF(d.motion.time = NULL, DRAPE_EARG);

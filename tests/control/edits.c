@@ -191,14 +191,17 @@ static const char *record(struct session *p, drape_world *a)
     EXPECT(drape_remove(a, 0) == DRAPE_OK);
     EXPECT(drape_remove(a, 9) == DRAPE_EARG); /* not in the log */
     EXPECT(guest_go(a, 2) == DRAPE_OK);
-    static double low[2][4][3];
-    for (int k = 0; k < 24; k++)
+    static double low[3][4][3];
+    static const double times[3] = {-0.1, 0.05, 0.2};
+    for (int k = 0; k < 36; k++)
         (&low[0][0][0])[k] = plate.x[k % 12 / 3][k % 3] -
                              (k % 3 == 1 ? 0.3 + 0.01 * (k / 12) : 0);
-    plate.frames = 2;
-    plate.frame_dt = 0.1;
+    plate.frames = 3;
+    plate.between = DRAPE_CUBIC;
+    plate.frame_time = times;
     plate.frame = (const double(*)[3])low[0];
     EXPECT(drape_add_obstacle(a, &plate, NULL) == 2);
+    plate.frame_time = NULL;
     plate.frames = 0;
     plate.x = (const double(*)[3])low[1];
     EXPECT(drape_add_obstacle(a, &plate, NULL) == 3);

@@ -149,10 +149,13 @@ static const char *check_step(const struct slab *d, drape_world *world,
     return NULL;
 }
 
-/* A sheet falls on the slab, thrown sideways so that friction acts. Steps that
- * are cut are not compared, as the list has their last slice only. */
-static const char *check_fall(int integrator, int backend, int newton)
+/* A sheet falls on the slab, thrown sideways so that friction acts; the slab
+ * may deform meanwhile. Steps that are cut are not compared, as the list has
+ * their last slice only. */
+static const char *check_fall(int integrator, int backend, int newton,
+                              bool deforms)
 {
+    static double frame[2][BOX][3];
     static double throw[COUNT][3];
     struct slab d;
     double p[2][3], most = 0;
@@ -168,6 +171,14 @@ static const char *check_fall(int integrator, int backend, int newton)
     d.def.tolerance = 1e-6;
     d.def.max_slices = 1;
     d.obstacle.motion = -1;
+    for (int k = 0; k < 2 * BOX && deforms; k++)
+        for (int i = 0; i < 3; i++) /* it rises at one end, and grows */
+            frame[k / BOX][k % BOX][i] =
+                d.obstacle.x[k % BOX][i] *
+                (1 + (k / BOX) * (0.1 + 0.5 * d.obstacle.x[k % BOX][0]));
+    d.obstacle.frames = deforms ? 2 : 0;
+    d.obstacle.frame_dt = 0.5;
+    d.obstacle.frame = (const double(*)[3])frame;
     drape_world *world = slab_world(&d);
     EXPECT(world);
     const char *failed = NULL;
@@ -193,7 +204,10 @@ const char *test_list_momentum(void)
     /* as many solves as BDF2's motion needs: what Newton's method leaves is
      * momentum, too */
     for (int k = 0; k < 8 && !failed; k++)
-        failed = check_fall(some[k / 2], k % 2, (int[]){0, 3, 0, 16}[k / 2]);
+        failed =
+            check_fall(some[k / 2], k % 2, (int[]){0, 3, 0, 16}[k / 2], false);
+    for (int k = 0; k < 2 && !failed; k++)
+        failed = check_fall(DRAPE_BW, k, 0, true);
     return failed;
 }
 

@@ -9,9 +9,11 @@ static const double plate_x[2][TROUPE_PLATE][3] = {
     {{-.05, 0, -.06}, {.05, 0, -.06}, {-.05, 0, .06}, {.05, 0, .06}},
     {{.06, -.05, -.06}, {.2, -.04, -.06}, {.06, -.05, .06}, {.2, -.05, .06}}};
 static const int32_t plate_tri[2][3] = {{0, 2, 1}, {1, 2, 3}};
-static const double frames[2][TROUPE_PLATE][3] = {
+static const double when[3] = {-0.1, 0.1, 0.3};
+static const double frames[3][TROUPE_PLATE][3] = {
     {{.06, -.05, -.06}, {.2, -.04, -.06}, {.06, -.05, .06}, {.2, -.05, .06}},
-    {{.06, -.3, -.06}, {.2, -.2, -.06}, {.06, -.2, .06}, {.2, -.2, .06}}};
+    {{.06, -.3, -.06}, {.2, -.2, -.06}, {.06, -.2, .06}, {.2, -.2, .06}},
+    {{.06, -.2, -.06}, {.2, -.2, -.06}, {.06, -.3, .06}, {.2, -.2, .06}}};
 static const double times[2] = {0, 0.25};
 static const double way[2][3] = {{0.1, 0, 0}, {0.11, -0.02, 0}};
 static const double turn[2][4] = {{1, 0, 0, 0}, {0.8, 0, 0.6, 0}};
@@ -83,8 +85,9 @@ void troupe_move(struct troupe *t, int k, bool by_frames)
         t->obstacle[k].motion = 0;
         return;
     }
-    t->obstacle[k].frames = 2;
-    t->obstacle[k].frame_dt = 0.5;
+    t->obstacle[k].frames = 3;
+    t->obstacle[k].between = DRAPE_CUBIC;
+    t->obstacle[k].frame_time = when;
     t->obstacle[k].frame = frames[0];
 }
 

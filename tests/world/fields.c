@@ -19,7 +19,7 @@ struct scene {
     double x[ROOM][3], velocity[ROOM][3];
     uint8_t hole[ROOM], cut[ROOM];
     drape_pin pin[SPARE];
-    double corner[ROOM][3], frame[ROOM][3];
+    double corner[ROOM][3], frame[ROOM][3], frame_time[ROOM];
     int32_t tri[ROOM][3];
     double time[ROOM], position[ROOM][3], rotation[ROOM][4];
     struct recall saved; /* checkpoint of the unchanged definition */
@@ -74,6 +74,7 @@ static void fill_motions(struct scene *s)
 static void fill_obstacles(struct scene *s)
 {
     for (int k = 0; k < ROOM; k++) {
+        s->frame_time[k] = k - 1;
         s->corner[k][0] = s->frame[k][0] = k & 1;
         s->corner[k][2] = s->frame[k][2] = k >> 1 & 1;
         for (int i = 0; i < 3; i++)
@@ -91,6 +92,8 @@ static void fill_obstacles(struct scene *s)
     }
     s->obstacle[0].motion = 0;
     s->obstacle[1].frames = 2;
+    s->obstacle[1].between = DRAPE_CUBIC;
+    s->obstacle[1].frame_time = s->frame_time;
 }
 
 /* Makes the definition. It allows a start that intersects, so that few changed
@@ -226,6 +229,7 @@ static const struct part bending[] = {PART(drape_cloth, bending), {0, 0}};
 static const struct part obstacle_skip[] = {PART(drape_obstacle, x),
                                             PART(drape_obstacle, tri),
                                             PART(drape_obstacle, frame),
+                                            PART(drape_obstacle, frame_time),
                                             {0, 0}};
 /* Parts of an obstacle without another valid value: the upper halves of counts,
  * as a mesh of 2^32 is refused. An obstacle has a motion or frames, not both:
@@ -240,6 +244,8 @@ static const struct part obstacle_skip[] = {PART(drape_obstacle, x),
 static const struct part obstacle_stiff[2][4] = {
     {UPPER_HALVES, PART(drape_obstacle, frames), {0, 0}},
     {UPPER_HALVES, PART(drape_obstacle, motion), {0, 0}}};
+static const struct part obstacle_free[] = {
+    BETWEEN(drape_obstacle, between, frame_dt), {0, 0}};
 static const struct part motion_skip[] = {PART(drape_motion, time),
                                           PART(drape_motion, position),
                                           PART(drape_motion, rotation),
@@ -258,7 +264,7 @@ static const char *walk_structs(struct scene *s)
             {"drape_cloth", &s->cloth[k], sizeof s->cloth[k], 4, cloth_skip,
              k ? table : NULL, k ? table : bending},
             {"drape_obstacle", &s->obstacle[k], sizeof s->obstacle[k], 4,
-             obstacle_skip, NULL, obstacle_stiff[k]},
+             obstacle_skip, obstacle_free, obstacle_stiff[k]},
             {"drape_motion", &s->motion[k], sizeof s->motion[k], 4, motion_skip,
              motion_free, NULL}};
         for (int i = 0; i < 3 && !failed; i++)
@@ -281,6 +287,8 @@ static const char *walk_arrays(struct scene *s)
         {"corners", s->corner, 4 * sizeof *s->corner, 4, NULL, NULL, NULL},
         {"tri", s->tri, 2 * sizeof *s->tri, 4, NULL, NULL, NULL},
         {"frame", s->frame, 8 * sizeof *s->frame, 4, NULL, NULL, NULL},
+        {"frame_time", s->frame_time, 2 * sizeof *s->frame_time, 4, NULL, NULL,
+         NULL},
         {"time", s->time, 2 * sizeof *s->time, 4, NULL, NULL, NULL},
         {"position", s->position, 2 * sizeof *s->position, 4, NULL, NULL, NULL},
         {"rotation", s->rotation, 2 * sizeof *s->rotation, 4, NULL, NULL,
@@ -310,6 +318,9 @@ static const char *drop_arrays(struct scene *s)
     s->motion[1].rotation = NULL;
     EXPECT(try_load(s) == DRAPE_EMATCH);
     s->motion[1].rotation = (const double(*)[4])s->rotation;
+    s->obstacle[1].frame_time = NULL;
+    EXPECT(try_load(s) == DRAPE_EMATCH);
+    s->obstacle[1].frame_time = s->frame_time;
     EXPECT(try_load(s) == DRAPE_OK);
     return NULL;
 }

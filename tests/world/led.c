@@ -86,7 +86,15 @@ const char *test_world_pins(void)
 
 /* step.md §6: sleep changes no bit, and ends when something moves */
 
-enum waking { BY_OBSTACLE, BY_PIN, BY_FRAMES, BY_WIND, BY_CALL, WAKINGS };
+enum waking {
+    BY_OBSTACLE,
+    BY_PIN,
+    BY_FRAMES,
+    BY_WIND,
+    BY_CALL,
+    BY_TIMES,
+    WAKINGS
+};
 enum { RESTS = 34, TO = 38 };
 
 /* Makes a sheet at rest without gravity; after RESTS steps a motion or a call
@@ -118,6 +126,11 @@ static drape_world *make_resting(enum waking how, int integrator, int sleep)
         d.obstacle.frames = 3;
         d.obstacle.frame_dt = time[1];
         d.obstacle.frame = (const double(*)[3])frame;
+    }
+    if (how == BY_TIMES) { /* the first frame holds until its time */
+        d.obstacle.frames = 2;
+        d.obstacle.frame_time = time + 1;
+        d.obstacle.frame = (const double(*)[3])frame[8];
     }
     return slab_world(&d);
 }

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Bodies that deform: a mesh's frames from files, and when each of them is. */
+#ifndef APP_SCENE_SEQUENCE_H
+#define APP_SCENE_SEQUENCE_H
+
+#include "app/read/json.h"
+#include "app/read/mesh.h"
+#include "spec/drape.h"
+
+/* The key `frames` of an obstacle: numbered files of one mesh, or a point cache
+ * of the mesh that stands beside it. */
+struct sequence {
+    char *files; /* with one %d, as frames/wave_%04d.ply; NULL: none */
+    char *file;  /* the point cache; NULL: none */
+    int first, count;
+    double dt;
+    double *times; /* [n_times] s, ascending; NULL: every dt */
+    int n_times;
+    int between; /* enum drape_between */
+};
+
+/* Reads the key; out: struct sequence. */
+json_reader read_sequence;
+/* Loads the frames: of numbered files also *mesh, which is the first; of a
+ * point cache those of the mesh of the file `name`, which is read, too. Sets
+ * what `out` has of frames, placed. APP_OK, or the exit code after one line. */
+int sequence_load(struct json *json, const struct sequence *s, const char *name,
+                  const struct placement *placement, struct mesh *mesh,
+                  drape_obstacle *out);
+
+/* Finds a mesh file that a scene names: obstacle.c. */
+int find_mesh(const struct json *json, const char *name, char path[4096]);
+
+#endif

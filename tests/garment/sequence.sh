@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: Apache-2.0
+# shellcheck shell=sh disable=SC2154
+# Bodies that deform by point caches, by numbered files of other formats and at
+# times of their own, and limbs. Read by tests/app.sh, whose functions it calls.
+
+# A tetrahedron of four vertices, of which vertex 3 is at (0, 1 + k, 0) in frame k,
+# as PLY, as OBJ files and as point caches, right ones and wrong ones.
+python3 - <<'EOT'
+import struct
+x = [(0, 0, 0), (1, 0, 0), (0, 0, 1), (0, 1, 0)]
+tri = [(0, 1, 2), (0, 3, 1), (0, 2, 3), (1, 3, 2)]
+def frame(k):
+    return [*x[:3], (0, 1 + k, 0)]
+def ply(name, points):
+    with open(name, "w") as file:
+        file.write("ply\nformat ascii 1.0\nelement vertex %d\n" % len(points))
+        file.write("property double x\nproperty double y\nproperty double z\n")
+        file.write("element face 4\nproperty list uchar int vertex_indices\nend_header\n")
+        for p in points:
+            file.write("%g %g %g\n" % p)
+        for t in tri:
+            file.write("3 %d %d %d\n" % t)
+ply("tetra.ply", x)
+for k in range(3):
+    with open("tetra_%d.obj" % k, "w") as file:
+        for p in frame(k):
+            file.write("v %g %g %g\n" % p)
+        for t in tri:
+            file.write("f %d %d %d\n" % tuple(i + 1 for i in t))
+# In frame 0 of these vertex 3 is where vertex 0 is: they are two all the same.
+for k in range(2):
+    with open("meet_%d.off" % k, "w") as file:
+        file.write("OFF\n4 4 0\n")
+        for p in [*x[:3], (0, float(k), 0)]:
+            file.write("%g %g %g\n" % p)
+        for t in tri:
+            file.write("3 %d %d %d\n" % t)
+def cache(name, frames, head=b"POINTCACHE2\0", version=1, points=4, rate=1.0, cut=0):
+    data = struct.pack("<12siiffi", head, version, points, 7.0, rate, len(frames))
+    for each in frames:
+        data += b"".join(struct.pack("<3f", *p) for p in each)
+    with open(name, "wb") as file:
+        file.write(data[:len(data) - cut])
+good = [frame(k) for k in range(3)]
+cache("good.pc2", good)
+cache("half.pc2", good, rate=0.5)
+cache("head.pc2", good, head=b"POINTCACHE3\0")
+cache("newer.pc2", good, version=2)
+cache("count.pc2", good, points=5)
+cache("none.pc2", [])
+cache("rate.pc2", good, rate=0.0)
+cache("short.pc2", good, cut=1)
+cache("nan.pc2", [*good[:2], [(0, 0, 0), (0, float("nan"), 0), (0, 0, 1), (0, 1, 0)]])
+open("tiny.pc2", "wb").write(b"POINTCACHE2\0")
+EOT
+# tells FILE KEYS: a scene of a body with these keys, far from a cloth, 0.5 s a frame.
+tells() {
+    cat >"$1" <<EOT
+{"frames": 4, "dt": 0.5, "precision": 64, "cloths": [{"particles": [3, 3],
+  "size": [0.1, 0.1], "start": {"at": [0, 90, 0]}}], "obstacles": [{$2}],
+ "motions": [{"name": "m", "keys": [{"time": 0}]}]}
+EOT
+}
+# rises NAME KEYS HEIGHTS: the top of the body is so high in frames 0 to 4.
+rises() {
+    tells rises.json "$2"
+    rm -rf rises
+    exits "$1" 0 run rises.json --out rises
+    is "$1: where it should be" python3 -c '
+import struct, sys
+for k, want in enumerate(eval(sys.argv[1])):
+    data = open("rises/frames/obstacles_%04d.ply" % k, "rb").read()
+    head, body = data.split(b"end_header\n", 1)
+    n = int(head.split(b"element vertex ")[1].split()[0])
+    top = max(struct.unpack_from("<3d", body, 24 * i)[1] for i in range(n))
+    assert abs(top - want) < 1e-12, (k, top, want)' "$3"
+}
+mesh='"mesh": "tetra.ply", "frames": {"file": "good.pc2"'
+rises 'a point cache' "$mesh, \"dt\": 0.5}" '[1, 2, 3, 3, 3]'
+rises 'a point cache, between frames' "$mesh, \"dt\": 1}" '[1, 1.5, 2, 2.5, 3]'
+rises 'a point cache of two samples a frame' \
+    '"mesh": "tetra.ply", "frames": {"file": "half.pc2", "dt": 1}' '[1, 2, 3, 3, 3]'
+rises 'a point cache, placed' "$mesh, \"dt\": 0.5}, \"scale\": 2, \"at\": [0, -1, 0]" \
+    '[1, 3, 5, 5, 5]'
+rises 'at times' "$mesh, \"times\": [0.5, 1, 2]}" '[1, 1, 2, 2.5, 3]'
+# The velocity at the middle frame is (3 - 1) / 2, at the last 2 · 1 / 1.5 - 1.
+rises 'a cubic' "$mesh, \"times\": [0, 0.5, 2], \"between\": \"cubic\"}" \
+    '[1, 2, 22 / 9, 25 / 9, 3]'
+rises 'OBJ files' '"frames": {"files": "tetra_%d.obj", "count": 3, "dt": 0.5}' \
+    '[1, 2, 3, 3, 3]'
+rises 'OFF files with a place that two vertices share once' \
+    '"frames": {"files": "meet_%d.off", "count": 2, "dt": 0.5}' '[0, 1, 1, 1, 1]'
+# wrong NAME KEYS TEXT
+wrong() {
+    tells wrong.json "$2"
+    refused "$1" "$3" plan wrong.json
+}
+for name in head newer; do
+    wrong "no point cache: $name" "\"mesh\": \"tetra.ply\", \"frames\": {\"file\": \"$name.pc2\"}" \
+        "$name.pc2: not a point cache of version 1"
+done
+wrong 'a head alone' '"mesh": "tetra.ply", "frames": {"file": "tiny.pc2"}' 'not a point cache'
+wrong 'a cache of another mesh' '"mesh": "tetra.ply", "frames": {"file": "count.pc2"}' \
+    'count.pc2: has 5 vertices, its mesh 4'
+wrong 'no frames' '"mesh": "tetra.ply", "frames": {"file": "none.pc2"}' 'has 0 frames'
+wrong 'no time between samples' '"mesh": "tetra.ply", "frames": {"file": "rate.pc2"}' \
+    'its frames are 0 apart'
+wrong 'a cache cut off' '"mesh": "tetra.ply", "frames": {"file": "short.pc2"}' \
+    'short.pc2: 143 bytes of frames, expected 144 for 3 frames of 4 vertices'
+wrong 'no number' '"mesh": "tetra.ply", "frames": {"file": "nan.pc2"}' \
+    'nan.pc2: frame 2, vertex 1: a coordinate is not finite'
+wrong 'a cache without a mesh' '"frames": {"file": "good.pc2"}' 'expected the mesh beside it'
+wrong 'a cache of a format without an order' \
+    '"mesh": "tetra_0.obj", "frames": {"file": "good.pc2"}' \
+    'tetra_0.obj: expected .ply or .off'
+wrong 'no such cache' '"mesh": "tetra.ply", "frames": {"file": "gone.pc2"}' 'gone.pc2'
+wrong 'files and a cache' '"frames": {"file": "good.pc2", "files": "a_%d.ply", "count": 1}' \
+    'expected either files with count, or the file'
+wrong 'a motion and frames' "$mesh}, \"motion\": \"m\"" 'has both a motion and frames'
+wrong 'times that do not ascend' "$mesh, \"times\": [0, 1, 1]}" \
+    'frames.times[2]: 1: expected more than 1'
+wrong 'too few times' "$mesh, \"times\": [0, 1]}" 'frames.times: 2 times of 3 frames'
+wrong 'no times' "$mesh, \"times\": []}" 'frames.times: expected a time a frame'
+wrong 'another way between' "$mesh, \"between\": \"spline\"}" '"spline"'
+limb='"shape": "limb", "radius": 0.1, "length": 0.4, "detail": 16'
+wrong 'a limb that folds into itself' "$limb, \"bend\": [{\"time\": 0, \"angle\": 120}]" \
+    'bend[0]: 120 degrees: expected less than 114.6'
+wrong 'bends that do not ascend' "$limb, \"bend\": [{\"time\": 1}, {\"time\": 1}]" \
+    'bend: times must ascend'
+wrong 'a limb with a motion' "$limb, \"bend\": [{\"time\": 1}], \"motion\": \"m\"" \
+    'has both a motion and frames'
+tells limb.json "$limb, \"bend\": [{\"time\": 0}, {\"time\": 2, \"angle\": 90}]"
+exits 'a limb' 0 run limb.json --out limb
+# Its axis is 0.1 up to the joint, which bends by 90 degrees along 0.2, and 0.1 beyond:
+# then come the caps. Radii stay: nothing is nearer to or farther from the axis.
+is 'bends as it should' python3 -c '
+import math, struct
+def load(k):
+    data = open("limb/frames/obstacles_%04d.ply" % k, "rb").read()
+    body = data.split(b"end_header\n", 1)[1]
+    n = int(data.split(b"element vertex ")[1].split()[0])
+    return [struct.unpack_from("<3d", body, 24 * i) for i in range(n)]
+straight = load(0)
+for k in range(5):
+    angle = math.radians(22.5 * k)
+    r = 0.2 / angle if k else 0
+    for a, b in zip(straight, load(k)):
+        along = min(max((a[1] + 0.1) / 0.2, 0), 1)
+        c, s = math.cos(along * angle), math.sin(along * angle)
+        rest = a[1] + 0.1 - 0.2 * along
+        x = r * (1 - c) + rest * s if k else 0
+        y = (r * s if k else 0.2 * along) + rest * c - 0.1
+        want = (x + a[0] * c, y - a[0] * s, a[2])
+        assert math.dist(b, want) < 1e-5, (k, a, b, want)'
