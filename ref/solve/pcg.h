@@ -40,6 +40,8 @@ struct pcg {
     const struct packed *packed; /* [n_packed] kg, from ref_blocks, of which
                                 multigrid is made */
     int32_t triples;             /* 1: the blocks are of triples, too */
+    int32_t whole; /* 1: there are no packed blocks, as those of a panel are
+                      sums that have no such code (panel.md §6) */
     const uint8_t *fixed;        /* [count] not 0: dv is given */
     const vec *b;                /* [count] N·s */
     int64_t n_z;                 /* count, or 0: given dv are 0 */
