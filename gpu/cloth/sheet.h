@@ -13,6 +13,7 @@ struct gpu_sheet {
     struct piece *piece; /* device [PIECES] */
     real *triple;        /* device [TRIPLES] */
     struct rate *rate;   /* device; NULL: the solve does not use rates */
+    struct panel *panel; /* host, its streams device; NULL: a rectangle */
     vec *star, *b;       /* device [count], parts of the world's star and b */
 };
 

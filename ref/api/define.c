@@ -198,8 +198,6 @@ static const char *panel_misfit(const drape_def *def, const drape_cloth *cloth)
         return "a panel needs an implicit integrator";
     if (wind->density > 0 && (wind->drag > 0 || wind->lift > 0))
         return "a panel does not feel wind yet, so there can be none";
-    if (def->backend != DRAPE_REF)
-        return "a panel needs backend ref: the gpu has none yet";
     return NULL;
 }
 

@@ -9,6 +9,7 @@
 #include "ref/cloth/blocks.h"
 #include "ref/cloth/dynamics.h"
 #include "ref/cloth/energy.h"
+#include "ref/cloth/motion.h"
 #include "ref/cloth/springs.h"
 #include "ref/panel/fibres.h"
 #include "tests/cloth/sheet.h"
@@ -143,7 +144,6 @@ void model_force(struct model *s, const vec *v)
 double model_energy(struct model *s)
 {
     const struct cloth *c = &s->c;
-    struct dynamics d = {.cloth = c};
     struct energy e = {.count = c->count,
                        .m = c->m,
                        .laws = SPRINGS,
@@ -161,7 +161,7 @@ double model_energy(struct model *s)
                        .n_chunks = sum_chunks(c->count),
                        .chunk = s->chunk};
     ref_energy(&e);
-    return (double)e.value[1] + (double)ref_panel_tension(NULL, &d, &e);
+    return (double)e.value[1] + (double)panel_energy(c->panel, &e);
 }
 
 void model_blocks(struct model *s, double tau)
