@@ -5,7 +5,7 @@
 #include "gpu/panel/tension.cuh"
 
 extern "C" {
-#include "gpu/panel/panel.h"
+#include "gpu/cloth/sheet.h"
 #include "gpu/run/backend.h"
 #include "ref/cloth/dynamics.h"
 #include "ref/panel/call.h"
@@ -16,8 +16,14 @@ extern "C" {
 #define TAKE_SCRATCH(name, count)                                              \
     GPU_TAKE_COPY(g, p->name, ARENA_CLOTH, NULL, count)
 
-void gpu_panel_make(struct gpu *g, const struct panel *h, struct panel *p)
+struct panel *gpu_panel_make(struct gpu *g, const struct panel *h)
 {
+    struct panel *p =
+        (struct panel *)arena_take(&g->host, ARENA_OTHER, 1, sizeof *p);
+    if (!p) {
+        g->failed = g->failed == DRAPE_OK ? (int)DRAPE_ENOMEM : g->failed;
+        return NULL;
+    }
     *p = *h;
     TAKE(corner, h->n_cells);
     TAKE(fibre, h->n_cells);
@@ -32,6 +38,7 @@ void gpu_panel_make(struct gpu *g, const struct panel *h, struct panel *p)
     TAKE_SCRATCH(pushes, CORNERS * h->n_cells);
     TAKE_SCRATCH(joins, CELL_PAIRS * h->n_cells);
     TAKE_SCRATCH(chunk, panel_chunks(h));
+    return p;
 }
 
 int gpu_panel_pull(struct gpu *g, const struct dynamics *d,

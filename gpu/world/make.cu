@@ -7,7 +7,6 @@
 extern "C" {
 #include "gpu/broad/broad.h"
 #include "gpu/compare/blas.h"
-#include "gpu/panel/panel.h"
 #include "gpu/run/backend.h"
 #include "gpu/world/sheet.h"
 #include "gpu/world/state.h"
@@ -135,15 +134,8 @@ static int take_bodies(struct world *w)
         w->arena, ARENA_OTHER, def->n_cloths, sizeof *more);
     if (!w->sheet || !w->prop || !more)
         return DRAPE_ENOMEM;
-    for (int k = 0; k < def->n_cloths; k++) {
+    for (int k = 0; k < def->n_cloths; k++)
         w->sheet[k].device = &more[k];
-        if (!w->home->sheet[k].cloth.panel)
-            continue;
-        more[k].panel = (struct panel *)arena_take(w->arena, ARENA_OTHER, 1,
-                                                   sizeof *more[k].panel);
-        if (!more[k].panel)
-            return DRAPE_ENOMEM;
-    }
     return gpu_systems_make(w->device);
 }
 

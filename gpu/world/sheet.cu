@@ -4,7 +4,6 @@
 extern "C" {
 #include "gpu/cloth/motion.h"
 #include "gpu/cloth/rate.h"
-#include "gpu/panel/panel.h"
 #include "gpu/world/sheet.h"
 #include "gpu/world/state.h"
 #include "ref/base/packed.h"
@@ -97,8 +96,7 @@ void gpu_sheet_make(struct gpu_world *d, int k)
     GPU_TAKE_COPY(g, c->fixed, ARENA_CLOTH, h->cloth.fixed, c->count);
     GPU_TAKE_COPY(g, c->mass, ARENA_CLOTH, h->cloth.mass, c->count);
     if (c->panel) {
-        c->panel = more->panel;
-        gpu_panel_make(g, h->cloth.panel, c->panel);
+        c->panel = gpu_panel_make(g, h->cloth.panel);
         GPU_TAKE_COPY(g, c->pairs, ARENA_CLOTH, h->cloth.pairs, c->count);
     }
     GPU_TAKE_COPY(g, more->law, ARENA_CLOTH, c->law, SPRINGS);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The stages of a panel, called by a cloth's motion. spec/panel/panel.md §8 */
+/* The stages of a panel, called by a cloth's motion. spec/panel/panel.md §6 */
 #include "ref/panel/call.h"
 
 #include "ref/base/backend.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The stages of a panel, filled for either backend from the stage of the cloth
  * that each follows, and from the panel, whose streams lie in the memory of the
- * backend. spec/panel/panel.md §8 */
+ * backend. spec/panel/panel.md §6 */
 #ifndef REF_CALL_H
 #define REF_CALL_H
 

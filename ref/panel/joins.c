@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Adds the part of fibres and stars to the implicit matrix.
- * spec/panel/panel.md §6 */
+ * spec/panel/joins.md */
 #include "ref/panel/joins.h"
 
 #include "ref/cloth/blocks.h"
@@ -31,7 +31,7 @@ static vec fibre_direction(const struct joins *s, const int32_t at[4],
     return turned > 0 ? vec_scale(1 / turned, e) : vec_scale(1 / length, d);
 }
 
-/* §6.1: the block of a fibre, blocks.md §1 times its weight. */
+/* §1: the block of a fibre, blocks.md §1 times its weight. */
 static sym fibre_block(const struct joins *s, const int32_t at[4],
                        const struct fibre *f, const struct law *law)
 {
@@ -55,7 +55,7 @@ static sym sym_axpy(sym a, real s, sym b)
                  a.yy + s * b.yy, a.yz + s * b.yz, a.zz + s * b.zz};
 }
 
-/* §6.1: the blocks of odd cell k. */
+/* §1: the blocks of odd cell k. */
 static void join_corners(const struct joins *s, int64_t k)
 {
     sym join[CELL_PAIRS];
@@ -74,7 +74,7 @@ static void join_corners(const struct joins *s, int64_t k)
     memcpy(s->join + CELL_PAIRS * k, join, sizeof join);
 }
 
-/* §6.2: the block of pair k gathers its parts. */
+/* §2: the block of pair k gathers its parts. */
 static void gather_joins(const struct joins *s, int64_t k)
 {
     sym *block = s->block + s->way[k] * s->count + s->first[k], a = *block;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stage joins: adds the blocks of fibres and stars. spec/panel/panel.md §6 */
+/* Stage joins: adds the blocks of fibres and stars. spec/panel/joins.md */
 #ifndef REF_JOINS_H
 #define REF_JOINS_H
 

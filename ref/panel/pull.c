@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Adds the forces of the fibres of odd cells and of stars.
- * spec/panel/panel.md §5 */
+ * spec/panel/pull.md */
 #include "ref/panel/pull.h"
 
 #include "ref/cloth/law.h"
@@ -12,7 +12,7 @@ static vec way_of(const struct pull *s, int32_t p, int32_t q)
     return s->n_u ? vec_axpy(d, s->span, vec_sub(s->u[q], s->u[p])) : d;
 }
 
-/* §5: the tension of a fibre, as a vector. */
+/* §1: the tension of a fibre, as a vector. */
 static vec fibre_tension(const struct pull *s, const int32_t at[4],
                          const struct fibre *a, const struct law *law)
 {
@@ -31,7 +31,7 @@ static vec fibre_tension(const struct pull *s, const int32_t at[4],
     return vec_scale(a->weight * f, e);
 }
 
-/* §5.1: the forces of odd cell k on its corners. */
+/* §1: the forces of odd cell k on its corners. */
 static void push_corners(const struct pull *s, int64_t k)
 {
     vec push[CORNERS] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
@@ -48,7 +48,7 @@ static void push_corners(const struct pull *s, int64_t k)
     memcpy(s->pushes + CORNERS * k, push, sizeof push);
 }
 
-/* §5.2: what particle k of the list gathers. */
+/* §2: what particle k of the list gathers. */
 static void gather_pushes(const struct pull *s, int64_t k)
 {
     int32_t p = s->part[k];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stage pull: adds the forces of fibres and stars. spec/panel/panel.md §5 */
+/* Stage pull: adds the forces of fibres and stars. spec/panel/pull.md */
 #ifndef REF_PULL_H
 #define REF_PULL_H
 

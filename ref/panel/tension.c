@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The elastic energy of fibres and stars, summed by the tree of sum.md.
- * spec/panel/panel.md §7 */
+ * spec/panel/tension.md */
 #include "ref/panel/tension.h"
 
 #include "ref/base/sum.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Stage tension: the elastic energy of fibres and stars.
- * spec/panel/panel.md §7 */
+ * spec/panel/tension.md */
 #ifndef REF_TENSION_H
 #define REF_TENSION_H
 
