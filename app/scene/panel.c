@@ -20,6 +20,8 @@ static int find_pattern(struct json *json, const char *name,
 {
     const struct scene *scene = json->user;
     char folder[FILE_PATH];
+    if (!name)
+        return json_refuse(json, "expected pattern");
     strcpy(folder, scene->file);
     char *slash = strrchr(folder, '/');
     strcpy(slash ? slash + (slash == folder) : folder, slash ? "" : ".");
@@ -119,8 +121,6 @@ int read_panel(struct json *json, json_t *node, void *out)
     struct pattern_panel *panel = NULL;
     char path[FILE_PATH];
     int status = json_fields(json, node, keys, &key);
-    if (status == APP_OK && !key.pattern)
-        status = json_refuse(json, "expected pattern");
     if (status == APP_OK)
         status = find_pattern(json, key.pattern, path);
     if (status == APP_OK)

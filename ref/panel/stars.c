@@ -75,7 +75,7 @@ static double make_orthogonal(double *a, int n, double (*unit)[POINTS],
  * functions. Returns how many there are. */
 static int find_null_forms(const struct points *s, double form[2][POINTS])
 {
-    double unit[POINTS + 3][POINTS];
+    double unit[POINTS + 3][POINTS] = {{0}};
     int made = 0, found = 0;
     for (int k = 0; k < 3; k++) {
         for (int q = 0; q < s->n; q++)
@@ -109,7 +109,7 @@ static void find_answer(const struct points *s, const double *form,
  * direction o asks for. False if it is too far from it. */
 static bool fit_form(const struct points *s, int o, double c[POINTS])
 {
-    double form[2][POINTS], r[2][3], y[2] = {0, 0}, answer[3];
+    double form[2][POINTS] = {{0}}, r[2][3] = {{0}}, y[2] = {0, 0}, answer[3];
     int n = find_null_forms(s, form);
     if (n == 0)
         return false;
