@@ -115,6 +115,9 @@ EMU_O  := $(patsubst $(BUILD)/%,$(EMU_IN)/%,$(call obj,$(KERNEL),.32) \
           $(BUILD)/gpu/compare/emulate_blas.o)
 CUDA_O := $(patsubst $(BUILD)/%,$(BUILD)/cuda/%,$(call obj,$(KERNEL),.32) \
           $(call obj,$(KERNEL),.64) $(call obj,$(DEVICE),))
+# What tests of panels cut them with.
+CUT_O  := $(call obj,$(wildcard app/base/cut*.c) \
+          $(addprefix app/base/,buckets.c curve.c outline.c),)
 # Without their libraries one file stands in for all oracles but brute force.
 # CGAL's take a minute to compile, so the flavours share ROOT's too.
 ORC_O  := $(addprefix $(ROOT)/,$(addsuffix .o,$(basename $(if \
@@ -214,10 +217,10 @@ $(BUILD)/libdrape.o: $(INSIDE)
 $(LIB): $(BUILD)/libdrape.o
 	@rm -f $@
 	$(call show,AR $@)$(AR) rcs $@ $<
-$(BUILD)/check: $(TEST_O) $(EMU_O) $(ORC_O) $(INSIDE)
-	$(C17) $(TEST_O) $(EMU_O) $(ORC_O) $(INSIDE) -o $@ $(ORC_L) -lstdc++ -lm
+$(BUILD)/check: $(TEST_O) $(CUT_O) $(EMU_O) $(ORC_O) $(INSIDE)
+	$(C17) $(TEST_O) $(CUT_O) $(EMU_O) $(ORC_O) $(INSIDE) -o $@ $(ORC_L) -lstdc++ -lm
 # Without the oracles: so it runs on a device's machine that has none.
-$(BUILD)/check-cuda: $(TEST_O) $(CUDA_O) $(ROOT)/oracle/absent.o \
+$(BUILD)/check-cuda: $(TEST_O) $(CUT_O) $(CUDA_O) $(ROOT)/oracle/absent.o \
     $(ROOT)/oracle/brute.o $(INSIDE)
 	$(C17) $^ -o $@ $(CUDA_L)
 $(BUILD)/whole: $(WHOLE_O) $(LIB)

@@ -13,9 +13,9 @@ A row holds a digest (`code`) of all that it depends on. A stage's row depends o
 the sources that the linker and the compiler needed for ref_X and gpu_X
 (`sources`), on the flags, and on the golden hashes, which change where generated
 cases do. A scene's row depends on all code of spec/, ref/ and gpu/, on the flags,
-on its line of ci/scenes.certified and on its file. Where that digest, the device,
-the toolkit and the driver are still the same, a new certificate keeps the row;
-`run` says which run of ci/certify.sh the row is from.
+on its line of ci/scenes.certified, on its file and on the patterns that it names.
+Where that digest, the device, the toolkit and the driver are still the same, a new
+certificate keeps the row; `run` says which run of ci/certify.sh the row is from.
 """
 import functools
 import glob
@@ -164,6 +164,13 @@ def trees():
     return {part: tree.digest(part) for part in ("spec", "ref", "gpu", "flags")}
 
 
+def text_of_scene(name):
+    """A scene's file, and the patterns that it names."""
+    text = read(f"app/scenes/{name}.json")
+    patterns = sorted(set(re.findall(r'"pattern": "([^"]*)"', text)))
+    return text + "".join(read(f"app/scenes/{name}") for name in patterns)
+
+
 def codes(files):
     """What each row depends on now; files: sources of each stage."""
     whole = json.dumps(trees())
@@ -173,7 +180,7 @@ def codes(files):
             found["stage", stage] = code_of_stage(stage, files[stage])
     for name, scene in scenes().items():
         found["scene", name] = sha(whole + json.dumps(scene) + " ".join(
-            read(f"app/scenes/{scene['file']}.json").split()))
+            text_of_scene(scene["file"]).split()))
     return found
 
 

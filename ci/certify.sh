@@ -32,6 +32,10 @@ while read -r name file frames _ _ keys; do
     echo "$frames" | tr - ' ' >"$work/$name.frames"
 done <"$work/table"
 
+# A scene names its patterns from its own folder: app/scenes.
+mkdir -p "$build/patterns"
+cp app/patterns/*.json "$build/patterns"
+
 # part TO OPTION...: brings the run in $dir to that frame.
 part() {
     to=$1
@@ -83,10 +87,16 @@ run() {
 
 frames_of() { cat "$work/$1.frames"; }
 
+# The patterns that a scene names.
+patterns_of() {
+    sed -n 's/.*"pattern": "\([^"]*\)".*/\1/p' "$work/$1.json" | sort -u |
+        while read -r file; do cat "$work/$file"; done
+}
+
 # What a scene's reference depends on, and its digest if that is known.
 key() {
-    { echo "$tree" && cat "$work/$1.frames" "$work/$1.json"; } |
-        sha256sum | cut -c1-16
+    { echo "$tree" && cat "$work/$1.frames" "$work/$1.json" &&
+        patterns_of "$1"; } | sha256sum | cut -c1-16
 }
 known() { sed -n "s/^$1 $(key "$1") //p" $known 2>/dev/null; }
 digest() { sha256sum <"$1" | cut -c1-16; }

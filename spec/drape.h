@@ -179,6 +179,30 @@ typedef struct drape_pin {
                    particle, or -1: the particle stays where it starts */
 } drape_pin;
 
+/* What a cell of a panel is. Its corners are counted counter-clockwise from the
+ * one with the least i and j. */
+enum drape_cell {
+    DRAPE_CELL_ABSENT,
+    DRAPE_CELL_REGULAR, /* all its corners are where the grid has them */
+    DRAPE_CELL_RISING,  /* a corner was moved; divided from corner 0 to 2 */
+    DRAPE_CELL_FALLING, /* a corner was moved; divided from corner 1 to 3 */
+    DRAPE_CELL_WITHOUT  /* a triangle without corner `cell - DRAPE_CELL_WITHOUT`
+                           of 0 … 3 */
+};
+
+/* A panel: a cloth of any outline, whose particles at the outline were moved
+ * onto it. panel/panel.md */
+typedef struct drape_panel {
+    /* [m·n] m: the particles at rest, in the plane, along i and along j from
+     * particle 0. A corner of a regular cell is where the grid has it, i·width
+     * / (m-1) and j·height / (n-1), within 1e-6 of a cell; one of another cell
+     * is less than a cell from there. */
+    const double (*rest)[2];
+    /* [(m-1)·(n-1)] enum drape_cell. A triangle of a cell has at least 0.05 of
+     * the area of a regular cell. */
+    const uint8_t *cell;
+} drape_panel;
+
 /* A rectangular sheet: a grid of m × n particles, of which (i, j) is number
  * i + m·j, with (m-1)·(n-1) cells between them, of which (i, j) is number
  * i + (m-1)·j. cloth/cloth.md §1 */
@@ -201,6 +225,10 @@ typedef struct drape_cloth {
     const drape_pin *pins; /* [n_pins] */
     int n_pins;            /* 0 … m·n */
     int bending;           /* enum drape_bending */
+    /* NULL: a rectangle. A panel has no holes and cuts, bending by triples, an
+     * implicit integrator and no wind; a flat start is at its places at rest.
+     * Its world does not change material, and no body comes or goes. */
+    const drape_panel *panel;
 } drape_cloth;
 
 /* How a mesh that deforms goes from one frame to the next. world/kinematics.md
@@ -566,7 +594,8 @@ void drape_wake(drape_world *world);
  * Ranges and statuses are those of a definition. A world that was made without
  * air takes memory for it here: DRAPE_ENOMEM or DRAPE_EDEVICE, and nothing has
  * changed. Without density, or without drag and lift, there is no wind,
- * whatever its velocity. control/control.md §1 */
+ * whatever its velocity. DRAPE_EARG where there is a panel, which feels none
+ * yet. control/control.md §1 */
 int drape_set_wind(drape_world *world, const drape_wind *wind);
 
 /* Live control: calls between two steps that change the world from the next
@@ -589,8 +618,8 @@ int drape_set_gravity(drape_world *world, const double gravity[3]);
 /* Sets the material of a cloth, 0 … n_cloths - 1; positions and velocities
  * stay. Ranges and statuses are those of a definition; DRAPE_EARG also where
  * no springs fit it, as with cells too oblong or a table too soft (cloth.md §4,
- * §9), DRAPE_ELIMIT where an explicit integrator
- * would need more than max_substeps. */
+ * §9), and yet in a world that has a panel; DRAPE_ELIMIT where an explicit
+ * integrator would need more than max_substeps. */
 int drape_set_material(drape_world *world, int cloth,
                        const drape_material *material);
 /* Set the places, m, or the velocities, m/s, of the n vertices of the scene
@@ -647,7 +676,8 @@ int drape_set_pose(drape_world *world, int obstacle, const double position[3],
  * DRAPE_EDATA, DRAPE_ENOMEM, DRAPE_EDEVICE, DRAPE_ELIMIT; DRAPE_ESTART if the
  * new body intersects itself or another body, unless the definition allows an
  * intersecting start. `error`, which may be NULL, says what was wrong, by the
- * numbers that the bodies would have. */
+ * numbers that the bodies would have. Panels do not come, and a world that has
+ * one keeps its bodies yet: DRAPE_EARG. */
 int drape_add_cloth(drape_world *world, const drape_cloth *cloth,
                     drape_error *error);
 int drape_add_obstacle(drape_world *world, const drape_obstacle *obstacle,

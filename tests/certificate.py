@@ -148,6 +148,8 @@ def trial(build):
            found == ["scene thrown"], dict(none, scene=1))
     edited("app/scenes/flag.json", "1", "2", lambda found:
            found == ["scene flag"], dict(none, scene=1))
+    edited("app/patterns/tee.json", "26", "27", lambda found:
+           found == ["scene panels"], dict(none, scene=1))
 
     # A row that is carried over although its code is not what it was.
     forged = copy.deepcopy(whole)
@@ -206,7 +208,8 @@ def trial(build):
 
 build = os.path.abspath(sys.argv[1])
 with tempfile.TemporaryDirectory() as copied:
-    for name in ("spec", "ref", "gpu", "ci", "app/scenes", "tests/golden"):
+    for name in ("spec", "ref", "gpu", "ci", "app/scenes", "app/patterns",
+                 "tests/golden"):
         shutil.copytree(os.path.join(root, name), os.path.join(copied, name))
     shutil.copy(os.path.join(root, "Makefile"), copied)
     os.chdir(copied)

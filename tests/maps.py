@@ -388,7 +388,7 @@ def includes(texts):
 # The rooms of ref/ and gpu/, each of which includes only itself and rooms before it.
 # Rooms on one line are one: `run` is what a device adds to `base`, and `compare` a
 # second solver.
-ORDER = (("base", "run"), ("cloth",), ("solve", "compare"), ("broad",), ("narrow",),
+ORDER = (("base", "run"), ("cloth",), ("panel",), ("solve", "compare"), ("broad",), ("narrow",),
          ("contact",), ("momentum",), ("sleep",), ("world",), ("control",), ("api",))
 RANK = {room: k for k, rooms in enumerate(ORDER) for room in rooms}
 # What still reaches up, and so takes more than it uses.

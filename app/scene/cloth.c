@@ -165,13 +165,16 @@ static int read_pin(struct json *json, json_t *node, void *out)
         CHOICE_KEY("edge", offsetof(struct pin, edge), edges),
         VECTOR_KEY("at", offsetof(struct pin, at), 0, 1e6, 2),
         NUMBER_KEY("every", offsetof(struct pin, every), 1e-6, 1e6),
+        INTEGER_KEY("outline", offsetof(struct pin, outline), 0, 1e6),
         NESTED_KEY("motion", offsetof(struct pin, motion), read_motion_name),
         {0}};
     static const char *const every[] = {"every", NULL};
     struct pin *pin = out;
-    *pin = (struct pin){.edge = -1, .motion = -1, .at = {-1, -1}};
+    *pin =
+        (struct pin){.edge = -1, .motion = -1, .outline = -1, .at = {-1, -1}};
     int status = json_fields(json, node, keys, pin);
-    if (status == APP_OK && (pin->edge < 0) == (pin->at[0] < 0))
+    int named = (pin->edge >= 0) + (pin->at[0] >= 0) + (pin->outline >= 0);
+    if (status == APP_OK && named != 1)
         return json_refuse(json, "expected either edge or at");
     if (status == APP_OK && pin->edge < 0)
         json_idle(json, node, every, "the pin is a single particle");
@@ -188,6 +191,20 @@ static int read_pins(struct json *json, json_t *node, void *out)
     cloth->n_pins = list.count;
     for (int k = 0; k < list.count && status == APP_OK; k++) {
         const double *at = cloth->pins[k].at;
+        int most = cloth->panel ? cloth->panel->edges : 0;
+        if (cloth->pins[k].outline >= most)
+            status = json_refuse(json, "[%d].outline: %d: expected %s", k,
+                                 cloth->pins[k].outline,
+                                 most ? "an edge of the panel"
+                                      : "a cloth that is "
+                                        "a panel");
+        else if (most && cloth->pins[k].edge >= 0)
+            status = json_refuse(json,
+                                 "[%d].edge: a panel has edges of its outline: "
+                                 "expected outline or at",
+                                 k);
+        if (status != APP_OK)
+            break;
         double h = cloth->size[0] / (cloth->particles[0] - 1);
         double g = cloth->size[1] / (cloth->particles[1] - 1);
         if (at[0] < cloth->size[0] + h / 2 && at[1] < cloth->size[1] + g / 2)
@@ -204,11 +221,26 @@ static int read_pins(struct json *json, json_t *node, void *out)
 
 static const char *const bendings[] = {"triples", "springs", NULL};
 
+/* Refuses keys of a rectangle beside `panel`. */
+static int check_panel_keys(struct json *json, json_t *node)
+{
+    static const char *const others[] = {"particles", "size", "holes", "cuts",
+                                         NULL};
+    if (!json_object_get(node, "panel"))
+        return APP_OK;
+    for (int k = 0; others[k]; k++)
+        if (json_object_get(node, others[k]))
+            return json_refuse(json, "%s: not beside panel, which has its own",
+                               others[k]);
+    return APP_OK;
+}
+
 static int read_cloth(struct json *json, json_t *node, void *out)
 {
 #define CLOTH(name) offsetof(struct cloth, name)
     static const struct json_key keys[] = {
         TEXT_KEY("name", CLOTH(name)),
+        NESTED_KEY("panel", 0, read_panel), /* before what it replaces */
         VECTOR_KEY("particles", CLOTH(particles), 2, 32768, 2),
         VECTOR_KEY("size", CLOTH(size), 1e-6, 1e6, 2),
         NESTED_KEY("material", CLOTH(out.material), read_material),
@@ -230,9 +262,16 @@ static int read_cloth(struct json *json, json_t *node, void *out)
     cloth->size[1] = c->height;
     cloth->start = (struct start){
         .u = {1, 0, 0}, .v = {0, 0, 1}, .radius = 0.05, .gap = 0.01};
-    int status = json_fields(json, node, keys, cloth);
+    int status = check_panel_keys(json, node);
+    if (status == APP_OK)
+        status = json_fields(json, node, keys, cloth);
     if (status != APP_OK)
         return status;
+    if (cloth->panel && cloth->start.shape != START_FLAT)
+        return json_refuse(json, "start: a panel starts flat, or where its "
+                                 "pattern places it");
+    if (cloth->panel && !json_object_get(node, "start"))
+        cloth->out.x = cloth->panel->placed;
     struct scene *scene = json->user;
     double count = cloth->particles[0] * cloth->particles[1];
     scene->particles += count;

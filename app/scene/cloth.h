@@ -20,10 +20,21 @@ struct regions {
 };
 struct pin {
     int edge, motion;    /* edge: 0 … 3, -1: none */
+    int outline;         /* of a panel: the pattern's edge, -1: none */
     double at[2], every; /* m at rest */
+};
+/* A cloth that is a panel of a sewing pattern. */
+struct cloth_panel {
+    drape_panel panel;
+    const double (*placed)[3]; /* [m n] m, where the pattern places it */
+    uint8_t *there;            /* [m n] 1: there is such a particle */
+    int32_t (*edge)[2]; /* [m n] edges of the pattern's panel that the particle
+                           is on, -1: none */
+    int edges;          /* of the panel */
 };
 struct cloth {
     drape_cloth out;
+    struct cloth_panel *panel; /* NULL: a rectangle */
     char *name;
     struct look look;
     double particles[2], size[2], velocity[3];
@@ -37,5 +48,9 @@ struct cloth {
 /* Fills cloth->out's start, holes, cuts and pins. Returns app_exit; a fault in
  * the description prints one line. */
 int cloth_sew(struct json *json, struct cloth *cloth);
+
+/* Reads the key `panel` of a cloth and cuts the panel; out: struct cloth. Sets
+ * its particles and its size. */
+json_reader read_panel;
 
 #endif

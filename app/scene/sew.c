@@ -79,6 +79,30 @@ static int mark_all(struct json *json, const struct regions *regions,
     return APP_OK;
 }
 
+/* Assigns the particles of a panel that pin p names to pin p: those on an edge
+ * of the outline, or the nearest to a place. */
+static void mark_panel_pin(const struct pin *pin, int p,
+                           const struct cloth *cloth, int *owner)
+{
+    const struct cloth_panel *panel = cloth->panel;
+    int64_t count = (int64_t)cloth->out.m * cloth->out.n, nearest = 0;
+    double least = INFINITY;
+    for (int64_t k = 0; k < count; k++) {
+        double a = panel->panel.rest[k][0] - pin->at[0];
+        double b = panel->panel.rest[k][1] - pin->at[1];
+        bool on = pin->outline >= 0 && (panel->edge[k][0] == pin->outline ||
+                                        panel->edge[k][1] == pin->outline);
+        if (panel->there[k] && on)
+            owner[k] = p;
+        if (panel->there[k] && a * a + b * b < least) {
+            least = a * a + b * b;
+            nearest = k;
+        }
+    }
+    if (pin->outline < 0)
+        owner[nearest] = p;
+}
+
 /* Assigns the particles of pin p's edge or place to pin p. */
 static void mark_pin(const struct pin *pin, int p, const drape_cloth *c,
                      int *owner)
@@ -112,7 +136,10 @@ static int make_pins(struct pool *pool, struct cloth *cloth)
     for (int64_t k = 0; k < particles; k++)
         owner[k] = -1;
     for (int p = cloth->n_pins; p-- > 0;)
-        mark_pin(&cloth->pins[p], p, c, owner);
+        if (cloth->panel)
+            mark_panel_pin(&cloth->pins[p], p, cloth, owner);
+        else
+            mark_pin(&cloth->pins[p], p, c, owner);
     for (int64_t k = 0; k < particles; k++)
         count += owner[k] >= 0;
     drape_pin *pins = pool_take(pool, (size_t)count + 1, sizeof *pins);
@@ -216,6 +243,8 @@ int cloth_sew(struct json *json, struct cloth *cloth)
     if (status != APP_OK)
         return status;
     drape_cloth *c = &cloth->out;
+    if (cloth->panel)
+        c->panel = &cloth->panel->panel;
     status = mark_all(json, &cloth->holes, c, 0, &c->hole);
     if (status == APP_OK)
         status = mark_all(json, &cloth->cuts, c, 1, &c->cut);

@@ -3,47 +3,9 @@
  * couples. spec/cloth/blocks.md */
 #include "gpu/base/packed.cuh"
 #include "gpu/cloth/cloth.cuh"
-#include "gpu/cloth/rate.cuh"
-
-extern "C" {
-#include "ref/cloth/blocks.h"
-}
+#include "gpu/cloth/parts.cuh"
 
 enum { SIX = sizeof(sym) / sizeof(real) };
-
-/* §1: the block f fᵀ + b I, f = √c u, where c = a - b and u is the direction.
- */
-struct parts {
-    real b, c;
-    vec u;
-};
-
-/* §8: the direction of a spring whose ends are d apart, l = |d|, half way
- * through the predicted motion, in which they move apart by 2·way. */
-static __device__ vec spring_direction(vec d, real l, vec way)
-{
-    real size = length(way), most = R(BLOCKS_ROTATION) * l;
-    if (size > most)
-        way = scale(most / size, way);
-    vec e = add(d, way);
-    real turned = length(e);
-    return turned > 0 ? scale(1 / turned, e) : scale(1 / l, d);
-}
-
-/* d: from the spring's start to its end; dq: the same of the predicted motion.
- */
-static __device__ struct parts spring_parts(const struct blocks *s, int o,
-                                            vec d, vec dq)
-{
-    const struct law *law = &s->law[o];
-    real l = length(d);
-    if (!(l > 0))
-        return parts{0, 0, make(0, 0, 0)};
-    real tau = s->tau, square = tau * tau;
-    real a = tau * law->damp + square * spring_slope(law, s->piece, l);
-    real b = square * max_of(spring_tension(law, s->piece, l) / l, R(0));
-    return parts{b, a - b, spring_direction(d, l, scale(R(0.5) * tau, dq))};
-}
 
 /* §7: the spring's share of its block, and that of the triples that have their
  * middle at one of its ends; cells: about these ends. */
@@ -70,13 +32,9 @@ static __device__ struct parts parts_of(const struct blocks *s, int o, int p,
         return parts{-(s->tau * s->tau * k), 0, make(0, 0, 0)};
     }
     vec moves = s->n_q ? sub(s->q[end], q) : make(0, 0, 0);
-    struct parts a = spring_parts(s, o, sub(s->x[end], x), moves);
+    struct parts a =
+        spring_parts(&s->law[o], s->piece, s->tau, sub(s->x[end], x), moves);
     return s->triples ? with_triples(s, o, a, p, end) : a;
-}
-
-static __device__ struct rate rate_of(const struct parts *s)
-{
-    return {s->b, scale(sqrt(max_of(s->c, R(0))), s->u)};
 }
 
 /* Thread t of block k owns particle 256 k + t: reads the particle and the far

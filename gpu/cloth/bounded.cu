@@ -58,6 +58,16 @@ static struct energy energy_at(const struct sheet *s, const vec *x,
     return e;
 }
 
+/* Queues the three energies of a state: gpu_energy_into. */
+static void find_energy(struct gpu *g, const struct sheet *s, const vec *x,
+                        const vec *v, int64_t *word)
+{
+    struct energy e = energy_at(s, x, v);
+    gpu_energy_into(g, &e, word);
+    if (s->cloth.panel)
+        gpu_panel_energy_into(g, s->cloth.panel, &e, word);
+}
+
 static double real_of(const int64_t *word)
 {
     real value;
@@ -68,9 +78,7 @@ static double real_of(const int64_t *word)
 void gpu_motion_energy(struct gpu *g, struct sheet *s, const vec *x,
                        const vec *v, double value[3])
 {
-    struct energy e = energy_at(s, x, v);
-    int64_t *word = gpu_words(g);
-    gpu_energy_into(g, &e, word);
+    find_energy(g, s, x, v, gpu_words(g));
     const int64_t *seen = gpu_read_back(g, 3);
     for (int k = 0; k < 3; k++)
         value[k] = real_of(seen + k);
@@ -79,11 +87,9 @@ void gpu_motion_energy(struct gpu *g, struct sheet *s, const vec *x,
 bool gpu_motion_bounded(struct gpu *g, struct sheet *s)
 {
     struct dynamics *d = &s->dynamics;
-    struct energy start = energy_at(s, d->x, d->v);
-    struct energy end = energy_at(s, d->x1, d->v1);
     int64_t *word = gpu_words(g);
-    gpu_energy_into(g, &start, word + WORD_BEFORE);
-    gpu_energy_into(g, &end, word + WORD_AFTER);
+    find_energy(g, s, d->x, d->v, word + WORD_BEFORE);
+    find_energy(g, s, d->x1, d->v1, word + WORD_AFTER);
     LAUNCH(g, s->cloth.count, sane_kernel, *d, s->cloth, word);
     const int64_t *seen = gpu_read_back(g, WORDS);
     for (int k = 0; k < 3; k++) {

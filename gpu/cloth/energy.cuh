@@ -14,4 +14,9 @@ extern "C" {
  * alone. */
 void gpu_energy_into(struct gpu *g, const struct energy *s, int64_t *word);
 
+/* Adds to word[1] what a panel's odd cells and stars add to the elastic energy
+ * of s; word[3] must be 0 before. gpu/panel/panel.cu */
+void gpu_panel_energy_into(struct gpu *g, const struct panel *panel,
+                           const struct energy *s, int64_t *word);
+
 #endif

@@ -3,6 +3,7 @@
 #ifndef GPU_SHEET_H
 #define GPU_SHEET_H
 
+#include "gpu/run/gpu.h"
 #include "ref/world/sheet.h"
 
 struct rate;
@@ -16,4 +17,15 @@ struct gpu_sheet {
     vec *star, *b;       /* device [count], parts of the world's star and b */
 };
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Returns a copy of a panel of the host, on the host, whose streams lie on the
+ * device; or NULL: gpu_status says why. gpu/panel/panel.cu */
+struct panel *gpu_panel_make(struct gpu *g, const struct panel *h);
+
+#ifdef __cplusplus
+}
+#endif
 #endif

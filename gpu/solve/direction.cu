@@ -80,7 +80,7 @@ bool gpu_pcg_sweeps(const struct pcg *s)
 bool gpu_rates_help(const struct gpu *g, const struct pcg *s)
 {
     return g->bulk && s->solver == DRAPE_EXACT && s->form == DRAPE_COMPACT &&
-           s->precond == DRAPE_JACOBI && sweeps(grid{s->m, s->n});
+           s->precond == DRAPE_JACOBI && !s->whole && sweeps(grid{s->m, s->n});
 }
 
 void gpu_pcg_search(struct gpu *g, const struct pcg *s, struct search a)

@@ -95,6 +95,10 @@ void gpu_sheet_make(struct gpu_world *d, int k)
     GPU_TAKE_COPY(g, c->beside, ARENA_CLOTH, h->cloth.beside, c->count);
     GPU_TAKE_COPY(g, c->fixed, ARENA_CLOTH, h->cloth.fixed, c->count);
     GPU_TAKE_COPY(g, c->mass, ARENA_CLOTH, h->cloth.mass, c->count);
+    if (c->panel) {
+        c->panel = gpu_panel_make(g, h->cloth.panel);
+        GPU_TAKE_COPY(g, c->pairs, ARENA_CLOTH, h->cloth.pairs, c->count);
+    }
     GPU_TAKE_COPY(g, more->law, ARENA_CLOTH, c->law, SPRINGS);
     GPU_TAKE_COPY(g, more->piece, ARENA_CLOTH, c->piece, PIECES);
     GPU_TAKE_COPY(g, more->triple, ARENA_CLOTH, c->triple, TRIPLES);

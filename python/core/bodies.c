@@ -52,6 +52,7 @@ static void forget(enum core_kind kind, void *body)
         cloth->x = cloth->velocity = NULL;
         cloth->hole = cloth->cut = NULL;
         cloth->pins = NULL;
+        cloth->panel = NULL;
     } else {
         drape_obstacle *obstacle = body;
         obstacle->x = obstacle->frame = NULL;

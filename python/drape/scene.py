@@ -72,6 +72,7 @@ PLACES: dict[str, Callable[[Any], Any]] = {
     "Start": lambda keys: {"cloths": [{"start": keys}]},
     "Material": lambda keys: {"cloths": [{"material": keys}]},
     "Pin": lambda keys: {"cloths": [{"pins": [keys]}]},
+    "Panel": lambda keys: {"cloths": [{"panel": keys}]},
     "Region": lambda keys: {"cloths": [{"holes": [keys]}]},
     "Look": lambda keys: {"cloths": [{"look": keys}]},
     "Obstacle": lambda keys: {"obstacles": [keys]},
@@ -295,20 +296,38 @@ class Pin(Keys):
     Attributes:
         edge: "u0", "u1", "v0" or "v1"; every: m between its pins
         at: [2] m at rest, the nearest particle
+        outline: the number of an edge of a panel's pattern, all its particles
         motion: the name of the motion that leads them
     """
 
     edge: str | None = None
     at: Vector | None = None
     every: float | None = None
+    outline: int | None = None
     motion: str | None = None
 
 
 @dataclass(kw_only=True, eq=False, repr=False)
-class Cloth(Keys):
-    """A rectangular sheet of m × n particles.
+class Panel(Keys):
+    """A panel of a sewing pattern, cut to cells as `drape pattern` does.
 
     Attributes:
+        pattern: a JSON file as GarmentCode writes it
+        name: of the panel; a pattern of one panel needs none
+        cell: m, side of a cell
+    """
+
+    pattern: str | None = None
+    name: str | None = None
+    cell: float | None = None
+
+
+@dataclass(kw_only=True, eq=False, repr=False)
+class Cloth(Keys):
+    """A rectangular sheet of m × n particles, or a panel.
+
+    Attributes:
+        panel: of a sewing pattern, without `particles`, `size`, `holes`, `cuts`
         particles: m along u and n along v
         size: width and height at rest, m
         velocity: [3] m/s, of all particles at the start
@@ -320,6 +339,7 @@ class Cloth(Keys):
     """
 
     name: str | None = None
+    panel: Panel | None = None
     particles: Vector | None = None
     size: Vector | None = None
     start: Start | None = None
@@ -492,7 +512,7 @@ class Scene(Keys):
     @staticmethod
     def load(path: str | os.PathLike[str]) -> Scene:
         """Reads a scene's file as objects, whose keys can then be changed. Paths of
-        meshes, which begin in the file's folder, become whole ones.
+        meshes and patterns, which begin in the file's folder, become whole ones.
 
         Raises:
             SceneError: the file is refused; the text says what and where
@@ -506,6 +526,9 @@ class Scene(Keys):
             for name in CLOTH_ARRAYS:
                 if isinstance(file := getattr(body, name), str):
                     setattr(body, name, _npy(os.path.join(folder, file)))
+            panel = body.panel
+            if isinstance(panel, Panel) and isinstance(panel.pattern, str):
+                panel.pattern = os.path.join(folder, panel.pattern)
         for obstacle in _only(made.obstacles, Obstacle):
             if isinstance(file := obstacle.mesh, str):
                 beside = os.path.join(folder, file)
@@ -614,7 +637,7 @@ INSIDE: dict[type[Any], dict[str, type[Any]]] = {
     Motion: {"keys": Key},
     Cloth: {
         **{"start": Start, "material": Material, "holes": Region, "cuts": Region},
-        **{"pins": Pin, "look": Look},
+        **{"pins": Pin, "look": Look, "panel": Panel},
     },
     Obstacle: {"frames": Frames, "bend": Bend, "look": Look},
     Scene: {

@@ -30,6 +30,7 @@ TABLES = {
     drape.Start: "cloth.c",
     drape.Region: "cloth.c",
     drape.Pin: "cloth.c",
+    drape.Panel: "panel.c",
     drape.Cloth: "cloth.c",
     drape.Look: "look.c",
     drape.Frames: "sequence.c",

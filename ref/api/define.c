@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "ref/base/cells.h"
 #include "ref/cloth/table.h"
 
 static const double BIG = 1152921504606846976.0; /* 2^60 */
@@ -147,9 +148,84 @@ static void check_axes(struct check *c, const drape_cloth *cloth)
         fail_check(c, DRAPE_EARG, "u and v must be unit and at right angles");
 }
 
-static void check_cloth(struct check *c, const drape_cloth *cloth,
-                        int n_motions)
+/* Checks a cell of a panel: its kind, its corners and its triangles. */
+static void check_cell(struct check *c, const drape_cloth *cloth, int i, int j)
 {
+    int kind = cell_kind(cloth, i, j), m = cloth->m;
+    const double(*rest)[2] = cloth->panel->rest;
+    double side[2] = {cloth->width / (m - 1), cloth->height / (cloth->n - 1)};
+    int64_t at[4], tri[2][3];
+    if (kind > DRAPE_CELL_WITHOUT + 3)
+        fail_check(c, DRAPE_EARG, "panel: cell (%d, %d) is %d, expected 0 to 7",
+                   i, j, kind);
+    if (c->status != DRAPE_OK)
+        return;
+    int corners = cell_corners(kind, i + (int64_t)m * j, m, at);
+    for (int k = 0; k < corners; k++)
+        for (int a = 0; a < 2; a++) {
+            int on = (int)(a ? at[k] / m : at[k] % m);
+            double off = fabs(rest[at[k]][a] / side[a] - on);
+            if (!(off < (kind == DRAPE_CELL_REGULAR ? 1e-6 : 1)))
+                fail_check(c, DRAPE_EARG,
+                           "panel: a corner of cell (%d, %d) is %g cells off, "
+                           "expected less than %g",
+                           i, j, off, kind == DRAPE_CELL_REGULAR ? 1e-6 : 1.0);
+        }
+    int count = cell_triangles(kind, i + (int64_t)m * j, m, tri);
+    for (int t = 0; t < count; t++) {
+        const double *p = rest[tri[t][0]], *q = rest[tri[t][1]];
+        const double *r = rest[tri[t][2]];
+        double area = 0.5 * ((q[0] - p[0]) * (r[1] - p[1]) -
+                             (q[1] - p[1]) * (r[0] - p[0]));
+        double part = area / (side[0] * side[1]);
+        if (!(part >= 0.05))
+            fail_check(c, DRAPE_EARG,
+                       "panel: a triangle of cell (%d, %d) has %g of a cell's "
+                       "area, expected at least 0.05",
+                       i, j, part);
+    }
+}
+
+/* What a panel does not go with. */
+static const char *panel_misfit(const drape_def *def, const drape_cloth *cloth)
+{
+    const drape_wind *wind = &def->wind;
+    if (cloth->hole || cloth->cut)
+        return "a panel has no holes and cuts";
+    if (cloth->bending != DRAPE_TRIPLES)
+        return "a panel needs bending by triples";
+    if (def->integrator < DRAPE_BW)
+        return "a panel needs an implicit integrator";
+    if (wind->density > 0 && (wind->drag > 0 || wind->lift > 0))
+        return "a panel does not feel wind yet, so there can be none";
+    return NULL;
+}
+
+static void check_panel(struct check *c, const drape_def *def,
+                        const drape_cloth *cloth)
+{
+    const drape_panel *panel = cloth->panel;
+    const char *why = panel_misfit(def, cloth);
+    int64_t n = (int64_t)cloth->m * cloth->n;
+    if (why)
+        fail_check(c, DRAPE_EARG, "%s", why);
+    if (!check_array(c, "panel.rest", n, panel->rest) ||
+        !check_array(c, "panel.cell", n, panel->cell))
+        return;
+    for (int64_t p = 0; p < n && c->status == DRAPE_OK; p++)
+        for (int k = 0; k < 2; k++)
+            if (!(fabs(panel->rest[p][k]) <= BIG))
+                fail_check(c, DRAPE_EDATA, "panel.rest %lld has coordinate %g",
+                           (long long)p, panel->rest[p][k]);
+    for (int j = 0; j < cloth->n - 1; j++)
+        for (int i = 0; i < cloth->m - 1 && c->status == DRAPE_OK; i++)
+            check_cell(c, cloth, i, j);
+}
+
+static void check_cloth(struct check *c, const drape_def *def,
+                        const drape_cloth *cloth)
+{
+    int n_motions = def->n_motions;
     int64_t n = (int64_t)cloth->m * cloth->n;
     check_positive(c, "width", cloth->width);
     check_positive(c, "height", cloth->height);
@@ -162,6 +238,8 @@ static void check_cloth(struct check *c, const drape_cloth *cloth,
         check_vectors(c, "particle", n, cloth->x);
     else
         check_axes(c, cloth);
+    if (cloth->panel)
+        check_panel(c, def, cloth);
     if (cloth->velocity)
         check_vectors(c, "velocity", n, cloth->velocity);
     for (int k = 0; k < cloth->n_pins && c->status == DRAPE_OK; k++) {
@@ -371,7 +449,7 @@ int define_check(const drape_def *def, drape_error *error)
     }
     for (int k = 0; k < def->n_cloths && c.status == DRAPE_OK; k++) {
         write_place(&c, "cloth", k);
-        check_cloth(&c, &def->cloths[k], def->n_motions);
+        check_cloth(&c, def, &def->cloths[k]);
     }
     for (int k = 0; k < def->n_obstacles && c.status == DRAPE_OK; k++) {
         write_place(&c, "obstacle", k);

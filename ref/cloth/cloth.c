@@ -3,26 +3,15 @@
  * spec/cloth/cloth.md */
 #include "ref/cloth/cloth.h"
 
+#include "ref/base/cells.h"
 #include "ref/cloth/law.h"
 #include "ref/cloth/measured.h"
 #include "ref/cloth/triple.h"
 
-static bool is_absent(const drape_cloth *d, int64_t p)
-{
-    return d->hole && d->hole[p];
-}
-
-/* §1: cell (i, j) is present iff it is not cut and no corner of it is a
- * hole. */
+/* Whether cell (i, j) has springs: those of odd cells are not of the grid. */
 static bool has_cell(const drape_cloth *d, int64_t i, int64_t j)
 {
-    if (i < 0 || j < 0 || i >= d->m - 1 || j >= d->n - 1)
-        return false;
-    if (d->cut && d->cut[i + (d->m - 1) * j])
-        return false;
-    int64_t p = i + d->m * j;
-    return !is_absent(d, p) && !is_absent(d, p + 1) &&
-           !is_absent(d, p + d->m) && !is_absent(d, p + d->m + 1);
+    return cell_kind(d, i, j) == DRAPE_CELL_REGULAR;
 }
 
 /* §4: the shares of the springs along u, v and each diagonal in the stiffness
@@ -93,7 +82,7 @@ static void set_triples(struct cloth *c, int o, double length, double moment,
     double area = (double)c->hu * (double)c->hv;
     double square = length * length, unit = area / (square * square);
     for (unsigned b = 0; b < CELL_MASKS; b++) {
-        double cells = (b & 1) + (b >> 1 & 1) + (b >> 2 & 1) + (b >> 3);
+        double cells = (b & 1) + (b >> 1 & 1) + (b >> 2 & 1) + (b >> 3 & 1);
         bool alone = !has_triple(2, b) && !has_triple(3, b);
         double k = (alone ? bend : moment) * unit * (cells / 4);
         c->triple[CELL_MASKS * o + (int)b] = has_triple(o, b) ? (real)k : 0;
@@ -138,7 +127,8 @@ int ref_cloth_size(const drape_cloth *d, struct cloth *c)
     c->count = (int64_t)d->m * d->n;
     for (int64_t j = 0; j < d->n; j++)
         for (int64_t i = 0; i < d->m; i++)
-            c->n_triangles += has_cell(d, i, j) ? 2 : 0;
+            c->n_triangles +=
+                cell_triangles(cell_kind(d, i, j), 0, d->m, (int64_t[2][3]){0});
     return ref_cloth_laws(d, c);
 }
 
@@ -168,12 +158,33 @@ static void fill_particle(const drape_cloth *d, struct cloth *c, int64_t p)
 {
     int64_t i = p % d->m, j = p / d->m;
     int beside = 0;
-    for (int k = 0; k < 4; k++)
-        beside |= has_cell(d, i - k % 2, j - k / 2) << k;
+    bool there = false;
+    for (int k = 0; k < 4; k++) {
+        int kind = cell_kind(d, i - k % 2, j - k / 2);
+        int64_t at[4];
+        int corners = cell_corners(kind, p - k % 2 - d->m * (k / 2), d->m, at);
+        beside |= (kind == DRAPE_CELL_REGULAR) << k;
+        for (int q = 0; q < corners; q++)
+            there |= at[q] == p;
+    }
     c->beside[p] = (uint8_t)beside;
     c->cell[p] = has_cell(d, i, j);
     c->springs[p] = all_springs(d, i, j);
-    c->fixed[p] = beside ? 0 : CLOTH_ABSENT;
+    c->fixed[p] = there ? 0 : CLOTH_ABSENT;
+}
+
+/* §3: writes the triangles, cell by cell. */
+static void fill_triangles(const drape_cloth *d, struct cloth *c, int64_t base)
+{
+    int64_t t = 0, tri[2][3];
+    for (int64_t j = 0; j < d->n - 1; j++)
+        for (int64_t i = 0; i < d->m - 1; i++) {
+            int kind = cell_kind(d, i, j);
+            int count = cell_triangles(kind, i + d->m * j, d->m, tri);
+            for (int k = 0; k < count; k++, t++)
+                for (int q = 0; q < 3; q++)
+                    c->tri[t][q] = (int32_t)(base + tri[k][q]);
+        }
 }
 
 /* The constant of the triple of direction o with its middle at (i, j). */
@@ -236,7 +247,9 @@ void ref_cloth_weigh(struct cloth *c)
     EACH_ITEM
     for (int64_t p = 0; p < c->count; p++) {
         unsigned b = c->beside[p];
-        int cells = (int)((b & 1) + (b >> 1 & 1) + (b >> 2 & 1) + (b >> 3));
+        if (b & BESIDE_STARS)
+            continue; /* panel_make has weighed it */
+        int cells = (int)((b & 1) + (b >> 1 & 1) + (b >> 2 & 1) + (b >> 3 & 1));
         c->mass[p] = (real)cells * (R(0.25) * c->cell_mass);
     }
     c->bound = gershgorin_bound(c, true);
@@ -249,15 +262,7 @@ int ref_cloth_fill(const drape_cloth *d, struct cloth *c, int64_t base)
     for (int64_t p = 0; p < c->count; p++)
         fill_particle(d, c, p);
 
-    int64_t t = 0;
-    for (int64_t p = 0; p < c->count; p++) {
-        if (!c->cell[p])
-            continue;
-        int32_t a = (int32_t)(base + p), up = a + d->m;
-        int32_t two[2][3] = {{a, a + 1, up + 1}, {a, up + 1, up}};
-        memcpy(c->tri + t, two, sizeof two);
-        t += 2;
-    }
+    fill_triangles(d, c, base);
     for (int k = 0; k < d->n_pins; k++) {
         int64_t p = d->pins[k].i + (int64_t)d->m * d->pins[k].j;
         if (c->fixed[p] == CLOTH_ABSENT)
@@ -279,6 +284,10 @@ int ref_cloth_start(const drape_cloth *d, vec *x, vec *v)
     double hu = d->width / (d->m - 1), hv = d->height / (d->n - 1);
     for (int64_t p = 0; p < (int64_t)d->m * d->n; p++) {
         double s = hu * (double)(p % d->m), t = hv * (double)(p / d->m), a[3];
+        if (d->panel) {
+            s = d->panel->rest[p][0];
+            t = d->panel->rest[p][1];
+        }
         for (int k = 0; k < 3; k++)
             a[k] = d->x ? d->x[p][k] : d->origin[k] + s * d->u[k] + t * d->v[k];
         x[p] = round_vector(a);

@@ -64,16 +64,19 @@ struct misfit {
 };
 
 /* §7: bits of the cells that meet at a particle: bit di + 2·dj says that the
- * cell with lower corner (i - di, j - dj) is present. */
-enum { CELL_MASKS = 16 };
+ * cell with lower corner (i - di, j - dj) is present, and regular in a panel.
+ * BESIDE_STARS: the particle has stars in place of triples (panel.md §4). */
+enum { CELL_MASKS = 32, BESIDE_STARS = 16 };
 /* The constants of triples: N/m, of direction o with cells b about the middle,
  * at CELL_MASKS·o + b; 0 where these cells leave no triple. */
 enum { TRIPLES = CELL_MASKS * (int)SPRINGS_SINGLE };
 
+struct panel;
+
 struct cloth {
     int32_t m, n;        /* particles along i and j */
     int64_t count;       /* m·n */
-    int64_t n_triangles; /* two for each present cell */
+    int64_t n_triangles; /* two for each present cell but triangles of panels */
     real hu, hv;         /* m, sides of a cell at rest */
     real cell_mass;      /* kg, of a present cell */
     real beta;           /* s, damping / stiffness */
@@ -87,13 +90,23 @@ struct cloth {
     double damped;    /* out: 1/s², bound of those of M⁻¹C / β, §8 */
     int64_t n_pinned; /* out: pinned particles */
 
-    uint8_t *cell;     /* out: [count] 1: cell with lower corner p is present */
-    uint8_t *springs;  /* out: [count] bit o: forward spring o is present */
-    uint8_t *beside;   /* out: [count] bits of the cells about p */
-    uint8_t *fixed;    /* out: [count] 0, CLOTH_PINNED or CLOTH_ABSENT */
-    real *mass;        /* out: [count] kg; 0 for absent particles */
-    int32_t (*tri)[3]; /* out: [n_triangles] scene vertices */
+    uint8_t *cell;       /* out: [count] 1: cell with lower corner p is present,
+                            and regular in a panel */
+    uint8_t *springs;    /* out: [count] bit o: forward spring o is present */
+    uint8_t *beside;     /* out: [count] bits of the cells about p */
+    uint8_t *fixed;      /* out: [count] 0, CLOTH_PINNED or CLOTH_ABSENT */
+    real *mass;          /* out: [count] kg; 0 for absent particles */
+    int32_t (*tri)[3];   /* out: [n_triangles] scene vertices */
+    struct panel *panel; /* NULL: the cloth is a rectangle */
+    uint8_t *pairs; /* [count] of a panel: bit o: the matrix has a block of the
+                       pair in the forward direction o; NULL: springs says so */
 };
+
+/* The bits of the pairs of particles of which the matrix has blocks. */
+static inline const uint8_t *cloth_pairs(const struct cloth *c)
+{
+    return c->pairs ? c->pairs : c->springs;
+}
 
 /* The coordinate j of particle p. */
 static inline int32_t cloth_row(int64_t p, int32_t m)

@@ -63,6 +63,8 @@ void motion_energy(const struct dynamics *s, const vec *x, const vec *v,
                        .n_chunks = sum_chunks(c->count),
                        .chunk = s->chunk};
     ref_energy(&e);
+    if (c->panel)
+        e.value[1] += panel_energy(c->panel, &e);
     for (int k = 0; k < 3; k++)
         value[k] = (double)e.value[k];
 }

@@ -6,6 +6,8 @@
 
 #include "ref/cloth/dynamics.h"
 
+struct energy;
+
 /* DRAPE_OK; DRAPE_ELIMIT if max_substeps are not stable; or what solve
  * returned. An outcome with DRAPE_DIVERGED leaves x1 = x and v1 = v. */
 int motion_run(struct dynamics *s);
@@ -25,5 +27,8 @@ int motion_run_part(struct dynamics *s, enum motion_part part);
 /* Kinetic, elastic and gravitational energy of a state, J; uses chunk. */
 void motion_energy(const struct dynamics *s, const vec *x, const vec *v,
                    double value[3]);
+/* What a panel's odd cells and stars add to the elastic energy of e, J:
+ * ref/panel/call.c. */
+real panel_energy(const struct panel *panel, const struct energy *e);
 
 #endif

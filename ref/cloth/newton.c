@@ -75,6 +75,10 @@ static void add_springs(struct motion *a, const vec *x, const vec *damping)
     }
     note_status(a, a->run->springs(a->on, &f));
     a->run->trace(a->on, a->s->trace, "springs", f.force, bytes_of(a));
+    if (!a->s->cloth->panel)
+        return;
+    note_status(a, a->run->panel_pull(a->on, a->s, &f));
+    a->run->trace(a->on, a->s->trace, "pull", f.force, bytes_of(a));
 }
 
 /* The motion that the step predicts: q of implicit.md §1. */
@@ -112,9 +116,13 @@ static void make_blocks(struct motion *a)
                        .block = s->block,
                        .n_packed = s->packed ? SPRINGS * c->count : 0,
                        .packed = s->packed};
+    size_t bytes = (size_t)(SPRINGS * c->count) * sizeof *b.block;
     note_status(a, a->run->motion_blocks(a->on, s, &b));
-    a->run->trace(a->on, a->s->trace, "blocks", b.block,
-                  (size_t)(SPRINGS * c->count) * sizeof *b.block);
+    a->run->trace(a->on, a->s->trace, "blocks", b.block, bytes);
+    if (!c->panel)
+        return;
+    note_status(a, a->run->panel_joins(a->on, s, &b));
+    a->run->trace(a->on, a->s->trace, "joins", b.block, bytes);
 }
 
 static void make_rhs(struct motion *a)
@@ -125,7 +133,7 @@ static void make_rhs(struct motion *a)
                     .m = c->m,
                     .n = c->n,
                     .fixed = c->fixed,
-                    .springs = c->springs,
+                    .springs = cloth_pairs(c),
                     .n_blocks = SPRINGS * c->count,
                     .block = s->block,
                     .force = s->force,

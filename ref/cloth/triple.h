@@ -12,7 +12,7 @@ static inline bool has_triple(int o, unsigned cells)
 {
     static const unsigned ahead[] = {1 + 4, 1 + 2, 1, 2};
     static const unsigned behind[] = {2 + 8, 4 + 8, 8, 4};
-    return (cells & ahead[o]) && (cells & behind[o]);
+    return !(cells & BESIDE_STARS) && (cells & ahead[o]) && (cells & behind[o]);
 }
 
 /* §7: the share of a single spring's constant that belongs to the cells beside

@@ -77,6 +77,8 @@ void control_tell_cloth(struct world *w, int k)
         s->cloth.fixed = own.fixed;
         s->cloth.mass = own.mass;
         s->cloth.tri = own.tri;
+        s->cloth.panel = own.panel;
+        s->cloth.pairs = own.pairs;
     }
     resend_stream(w, s->cloth.fixed, c->fixed, n * sizeof *c->fixed);
     resend_stream(w, s->cloth.mass, c->mass, n * sizeof *c->mass);

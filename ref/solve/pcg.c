@@ -10,7 +10,8 @@ int64_t ref_pcg_size(struct pcg *s)
 {
     s->count = (int64_t)s->m * s->n;
     s->n_blocks = SPRINGS * s->count;
-    s->n_packed = s->precond == DRAPE_MULTIGRID ? s->n_blocks : 0;
+    bool thin = s->precond == DRAPE_MULTIGRID && !s->whole;
+    s->n_packed = thin ? s->n_blocks : 0;
     s->n_chunks = sum_chunks(s->count);
     s->n_cdf = s->form == DRAPE_CDF ? ref_cdf(s->m, s->n).blocks : 0;
     struct multigrid none = {0};

@@ -40,10 +40,12 @@ struct pcg {
     const struct packed *packed; /* [n_packed] kg, from ref_blocks, of which
                                 multigrid is made */
     int32_t triples;             /* 1: the blocks are of triples, too */
-    const uint8_t *fixed;        /* [count] not 0: dv is given */
-    const vec *b;                /* [count] N·s */
-    int64_t n_z;                 /* count, or 0: given dv are 0 */
-    const vec *z;                /* [n_z] m/s, read where fixed */
+    int32_t whole; /* 1: there are no packed blocks, as those of a panel are
+                      sums that have no such code (joins.md §2) */
+    const uint8_t *fixed; /* [count] not 0: dv is given */
+    const vec *b;         /* [count] N·s */
+    int64_t n_z;          /* count, or 0: given dv are 0 */
+    const vec *z;         /* [n_z] m/s, read where fixed */
 
     int64_t n_cdf, n_chunks; /* from ref_pcg_size */
     struct mat *cdf;         /* scratch: [n_cdf] */

@@ -26,6 +26,7 @@ void solver_size(struct pcg *p, const drape_def *def, const struct cloth *cloth)
     p->mass = cloth->mass;
     p->fixed = cloth->fixed;
     p->triples = cloth->triples > 0;
+    p->whole = cloth->panel != NULL;
     ref_pcg_size(p);
 }
 

@@ -77,6 +77,10 @@ static uint64_t print_cloth(const drape_cloth *c)
     h = mix_array(h, c->velocity, n, sizeof *c->velocity);
     h = mix_array(h, c->hole, n, sizeof *c->hole);
     h = mix_array(h, c->cut, cells, sizeof *c->cut);
+    if (c->panel) {
+        h = mix_array(h, c->panel->rest, n, sizeof *c->panel->rest);
+        h = mix_array(h, c->panel->cell, cells, sizeof *c->panel->cell);
+    }
     return mix_array(h, c->pins, c->n_pins, sizeof *c->pins);
 }
 

@@ -38,7 +38,7 @@ static int make_dynamics(struct world *w, struct sheet *s, const drape_def *def)
         return DRAPE_OK;
     int64_t springs = SPRINGS * c->count;
     d->block = take_stream(w, ARENA_SOLVER, springs, sizeof *d->block);
-    if (def->precond == DRAPE_MULTIGRID)
+    if (def->precond == DRAPE_MULTIGRID && !c->panel)
         d->packed = take_stream(w, ARENA_SOLVER, springs, sizeof *d->packed);
     if (d->newton > 1)
         d->kept = take_stream(w, ARENA_SOLVER, 2 * c->count, sizeof *d->kept);

@@ -7,6 +7,7 @@
 #include <stdio.h>
 
 #include "ref/cloth/table.h"
+#include "ref/panel/panel.h"
 #include "ref/world/prescribe.h"
 
 static void *take_stream(struct world *w, enum arena_part part, int64_t n,
@@ -67,8 +68,9 @@ static int size_cloth(const drape_cloth *def, int k, struct cloth *cloth,
     if (ref_cloth_size(def, cloth) != DRAPE_OK)
         return say_misfit(def, k, &cloth->misfit, error);
     if (cloth->n_triangles == 0)
-        return write_error(error, DRAPE_EARG,
-                           "cloth %d: holes and cuts leave no cell of it", k);
+        return write_error(error, DRAPE_EARG, "cloth %d: %s", k,
+                           def->panel ? "its panel has no cell"
+                                      : "holes and cuts leave no cell of it");
     return DRAPE_OK;
 }
 
@@ -153,6 +155,8 @@ static int fill_cloth(struct world *w, const drape_cloth *def, int k,
         return DRAPE_ENOMEM;
     if (ref_cloth_fill(def, c, s->first) != DRAPE_OK)
         return say_pin(def, c, k, error);
+    if (def->panel && panel_make(def, c, w->arena) != DRAPE_OK)
+        return DRAPE_ENOMEM;
     if (ref_cloth_start(def, w->x0 + s->first, w->v0 + s->first) != DRAPE_OK)
         return write_error(error, DRAPE_EDATA,
                            "cloth %d: its flat start leaves |x| up to 2^60", k);

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Many worlds that are advanced by one call. spec/drape.h, spec/gpu.md §11 */
 #include "tests/api/guest.h"
+#include "tests/base/choices.h"
+#include "tests/panel/random.h"
 #include "tests/world/scene.h"
 
-enum { WORLDS = 9, STEPS = 10, CALLS = 2, EACH = STEPS / CALLS };
+enum { WORLDS = 9, PANEL = 7, STEPS = 10, CALLS = 2, EACH = STEPS / CALLS };
 
 /* Makes a world for each k: a sheet of one of two sizes that falls on a plate,
  * elsewhere for each k; one of an explicit integrator, one with block-Jacobi,
- * one on the reference. */
+ * one on the reference, one a panel. */
 static int make(int k, struct guest *s, drape_world **world)
 {
     guest_make(s, k == 4 ? DRAPE_REF : DRAPE_GPU);
@@ -18,6 +20,12 @@ static int make(int k, struct guest *s, drape_world **world)
         s->def.dt = 1e-3;
     }
     s->def.precond = k == 6 ? DRAPE_JACOBI : s->def.precond;
+    if (k == PANEL) {
+        static struct random_panel panel;
+        struct bytes b = {.seed = 1, .size = -1};
+        random_panel(&b, &s->cloth, &panel);
+        choices_free(&b);
+    }
     return drape_create(&s->def, world, NULL);
 }
 

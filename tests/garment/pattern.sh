@@ -26,6 +26,51 @@ assert "left_sleeve" in texts and texts.count("4") == 2'
 is 'the panels are meshes' sh -c '"$0" audit tee/*.ply >audit.out; test $? -le 1' "$drape"
 exits 'a pattern to a folder that cannot be' 3 pattern tee.json --out tee.json/x
 
+# panel PYTHON: a scene of the front panel, after a change of it, to panel.json.
+panel() {
+    python3 - "$1" >panel.json <<'EOT'
+import json
+import sys
+cloth = {"panel": {"pattern": "tee.json", "name": "front", "cell": 0.02}}
+scene = {"frames": 3, "cloths": [cloth]}
+panel = cloth["panel"]
+exec(sys.argv[1])
+json.dump(scene, sys.stdout)
+EOT
+}
+panel 'cloth["pins"] = [{"outline": 3}, {"at": [0.26, 0]}]'
+exits 'a scene with a panel runs' 0 run panel.json --out hung
+is 'and is clean' test "$("$drape" audit hung 2>&1 | grep -c ' 0 pairs')" -eq 1
+is 'it starts where the pattern places it' python3 -c '
+ply = open("hung/frames/cloth_0000.ply", "rb").read()
+import struct
+head, body = ply.split(b"end_header\n", 1)
+n = int(head.split(b"element vertex ")[1].split()[0])
+step = 12 if b"float x" in head else 24
+z = [struct.unpack_from("<f" if step == 12 else "<d", body, step * k + step // 3 * 2)[0]
+     for k in range(n)]
+assert all(abs(each - 0.18) < 1e-6 for each in z), (min(z), max(z))'
+panel 'cloth["start"] = {"at": [0, 1, 0]}'
+exits 'a panel starts flat where told' 0 run panel.json --out flat
+panel 'panel["name"] = "sleeve"'
+refused 'a panel that is not there' 'has no panel sleeve' run panel.json
+panel 'del panel["name"]'
+refused 'a panel without a name' 'has 4 panels' run panel.json
+panel 'panel["pattern"] = "none.json"'
+refused 'a panel of no file' 'pattern none.json: no such file' run panel.json
+panel 'cloth["size"] = [1, 1]'
+refused 'a panel with a size' 'size: not beside panel' run panel.json
+panel 'cloth["pins"] = [{"outline": 8}]'
+refused 'a pin on no edge' 'outline: 8: expected an edge of the panel' run panel.json
+panel 'cloth["pins"] = [{"edge": "v0"}]'
+refused 'a pin on an edge of the grid' 'a panel has edges of its outline' run panel.json
+panel 'cloth["start"] = {"shape": "hung"}'
+refused 'a hung panel' 'start: a panel starts flat' run panel.json
+panel 'scene["integrator"] = "verlet"'
+refused 'a panel with Verlet' 'a panel needs an implicit integrator' run panel.json
+panel 'scene["wind"] = {"velocity": [1, 0, 0]}'
+refused 'a panel in wind' 'a panel does not feel wind yet' run panel.json
+
 # change PYTHON: prints the T-shirt after this change.
 change() {
     python3 - "$1" <<'EOT'

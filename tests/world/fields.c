@@ -219,10 +219,13 @@ static const struct part def_free[] = {PART(drape_def, backend),
 /* Without a device on this machine these may have one valid value only. */
 static const struct part def_stiff[] = {
     PART(drape_def, solver), PART(drape_def, backend), {0, 0}};
-static const struct part cloth_skip[] = {
-    PART(drape_cloth, x),    PART(drape_cloth, velocity),
-    PART(drape_cloth, hole), PART(drape_cloth, cut),
-    PART(drape_cloth, pins), {0, 0}};
+static const struct part cloth_skip[] = {PART(drape_cloth, x),
+                                         PART(drape_cloth, velocity),
+                                         PART(drape_cloth, hole),
+                                         PART(drape_cloth, cut),
+                                         PART(drape_cloth, pins),
+                                         PART(drape_cloth, panel),
+                                         {0, 0}};
 /* Cloth 0 has whole tables, which need triples; cloth 1 has none. */
 static const struct part table[] = {PART(drape_cloth, material.table), {0, 0}};
 static const struct part bending[] = {PART(drape_cloth, bending), {0, 0}};

@@ -4,9 +4,10 @@
 
 #include <stdlib.h>
 
+#include "tests/panel/random.h"
 #include "tests/world/twin.h"
 
-enum { SIDE = 14, PINS = 3, KEYS = 2 };
+enum { SIDE = RANDOM_SIDE, PINS = 3, KEYS = 2 };
 
 /* A random definition and the data that it points to. */
 struct scene {
@@ -18,6 +19,7 @@ struct scene {
     drape_pin pin[PINS];
     uint8_t hole[SIDE * SIDE], cut[SIDE * SIDE];
     double box_x[8][3], ground_x[4][3];
+    struct random_panel panel[2];
 };
 
 static const int32_t ground_tri[2][3] = {{0, 2, 1}, {1, 2, 3}};
@@ -93,6 +95,13 @@ static void pick_obstacles(struct bytes *b, struct scene *s)
     s->obstacle[1].motion = pick(b, 2) ? 0 : -1;
 }
 
+/* Makes cloth k a panel. There is no wind then. */
+static void make_panel(struct bytes *b, struct scene *s, int k)
+{
+    random_panel(b, &s->cloth[k], &s->panel[k]);
+    s->def.wind.density = 0;
+}
+
 static void pick_scene(struct bytes *b, struct scene *s)
 {
     memset(s, 0, sizeof *s);
@@ -125,6 +134,9 @@ static void pick_scene(struct bytes *b, struct scene *s)
     s->def.wind.density = pick(b, 2) ? 1.2 : 0;
     s->def.wind.velocity[0] = 4;
     s->def.gravity[1] = pick(b, 4) ? -9.81 : -200;
+    for (int k = 0; k < s->def.n_cloths && s->def.integrator >= DRAPE_BW; k++)
+        if (pick(b, 3) == 2)
+            make_panel(b, s, k);
 }
 
 int64_t scene_audit(const drape_world *world, int n_cloths)
@@ -259,6 +271,19 @@ const char *scene_twins(struct bytes *b, int64_t *steps)
         s.def.max_slices = 2;
     struct twin twin;
     const char *failed = twin_run(&s.def, 4, &twin);
+    *steps = twin.steps;
+    return failed;
+}
+
+const char *scene_panels(struct bytes *b, int64_t *steps)
+{
+    static struct scene s;
+    pick_scene(b, &s);
+    s.def.integrator = DRAPE_BW + (int)pick(b, 3);
+    s.def.max_slices = 1 + (int)pick(b, 2);
+    make_panel(b, &s, (int)pick(b, (uint32_t)s.def.n_cloths));
+    struct twin twin;
+    const char *failed = twin_run(&s.def, 3, &twin);
     *steps = twin.steps;
     return failed;
 }

@@ -14,6 +14,10 @@ const char *scene_random(struct bytes *b);
  * first difference; *steps: the number of steps compared. */
 const char *scene_twins(struct bytes *b, int64_t *steps);
 
+/* The same with a panel, alone or beside another panel or a rectangle, and an
+ * implicit integrator. */
+const char *scene_panels(struct bytes *b, int64_t *steps);
+
 /* The number of intersecting pairs that involve cloth, by the exact audit. */
 int64_t scene_audit(const drape_world *world, int n_cloths);
 

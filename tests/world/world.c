@@ -187,6 +187,27 @@ const char *test_world_device(void)
     return NULL;
 }
 
+/* The same of panels. A scene that both refuse, as the particle of a pin is
+ * missing, has no steps. */
+const char *test_panel_device(void)
+{
+    int64_t all = 0;
+    for (uint64_t seed = 1; seed <= 8; seed++) {
+        struct bytes b = {.seed = seed, .size = -1};
+        int64_t steps = 0;
+        const char *failed = scene_panels(&b, &steps);
+        choices_free(&b);
+        if (failed) {
+            printf("seed %d\n", (int)seed);
+            return failed;
+        }
+        all += steps;
+    }
+    EXPECT(all >= 18);
+    ran(all);
+    return NULL;
+}
+
 /* An invalid definition is refused with one line that names the place. */
 const char *test_world_refusals(void)
 {

@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A cloth that is a panel of a sewing pattern: reads its key, cuts it, and
+ * places it. app/patterns/README.md */
+#include "app/base/app.h"
+#include "app/base/file.h"
+#include "app/scene/bodies.h"
+#include "app/scene/cloth.h"
+#include "app/scene/garment.h"
+
+#include <string.h>
+
+struct panel_key {
+    char *pattern, *name;
+    double cell;
+};
+
+/* The file of a pattern, which begins in the scene's folder. */
+static int find_pattern(struct json *json, const char *name,
+                        char path[FILE_PATH])
+{
+    const struct scene *scene = json->user;
+    char folder[FILE_PATH];
+    if (!name)
+        return json_refuse(json, "expected pattern");
+    strcpy(folder, scene->file);
+    char *slash = strrchr(folder, '/');
+    strcpy(slash ? slash + (slash == folder) : folder, slash ? "" : ".");
+    bool good = name[0] == '/'
+                    ? snprintf(path, FILE_PATH, "%s", name) < FILE_PATH
+                    : file_join(path, folder, name);
+    if (!good || !file_exists(path))
+        return json_refuse(json, "pattern %s: no such file", name);
+    return APP_OK;
+}
+
+/* The panel of this name; a pattern of one needs none. */
+static int find_panel(struct json *json, const struct pattern *pattern,
+                      const char *name, struct pattern_panel **panel)
+{
+    for (int k = 0; k < pattern->panels; k++)
+        if (name ? !strcmp(pattern->panel[k].name, name)
+                 : pattern->panels == 1) {
+            *panel = &pattern->panel[k];
+            return APP_OK;
+        }
+    return name ? json_refuse(json, "name: %s has no panel %s", pattern->file,
+                              name)
+                : json_refuse(json, "expected name, as %s has %d panels",
+                              pattern->file, pattern->panels);
+}
+
+/* The file's numbers of the edges that a particle is on: two at a corner. */
+static void find_edges(const struct garment_panel *p, struct cloth_panel *to)
+{
+    const struct cut *cut = &p->cut;
+    int edges = p->panel->edges;
+    for (int64_t k = 0; k < (int64_t)cut->m * cut->n; k++) {
+        int on = cut->kind[k] == CUT_BORDER && cut->chord[k] >= 0
+                     ? p->panel->loop[p->outline.of[cut->chord[k]]].edge
+                     : -1;
+        to->edge[k][0] = to->edge[k][1] = on;
+    }
+    for (int k = 0; k < edges; k++) {
+        int32_t *at = to->edge[cut->corner[k]];
+        at[0] = p->panel->loop[k].edge;
+        at[1] = p->panel->loop[(k + edges - 1) % edges].edge;
+    }
+}
+
+/* Keeps in the pool what the cloth needs of a cut. */
+static int keep_cut(struct json *json, const struct garment_panel *p,
+                    struct cloth *cloth)
+{
+    const struct cut *cut = &p->cut;
+    size_t n = (size_t)cut->m * (size_t)cut->n;
+    size_t cells = (size_t)(cut->m - 1) * (size_t)(cut->n - 1);
+    double(*rest)[2] = pool_take(json->pool, n, sizeof *rest);
+    double(*x)[3] = pool_take(json->pool, n, sizeof *x);
+    uint8_t *cell = pool_take(json->pool, cells, 1);
+    struct cloth_panel *to = pool_take(json->pool, 1, sizeof *to);
+    if (to) {
+        to->there = pool_take(json->pool, n, 1);
+        to->edge = pool_take(json->pool, n, sizeof *to->edge);
+    }
+    if (!rest || !x || !cell || !to || !to->there || !to->edge)
+        return complain(APP_FAILED, "out of memory");
+    memcpy(cell, cut->cell, cells);
+    for (size_t k = 0; k < n; k++) {
+        for (int i = 0; i < 2; i++)
+            rest[k][i] = cut->x[k][i] - cut->at[i];
+        garment_place(p->panel, cut->x[k], x[k]);
+    }
+    for (size_t k = 0; k < cells; k++) {
+        int32_t at[4];
+        int corners = cut_corners(cut, (int64_t)k, at);
+        for (int i = 0; i < corners; i++)
+            to->there[at[i]] = 1;
+    }
+    find_edges(p, to);
+    to->panel = (drape_panel){(const double(*)[2])rest, cell};
+    to->placed = (const double(*)[3])x;
+    to->edges = p->panel->edges;
+    cloth->panel = to;
+    cloth->particles[0] = cut->m;
+    cloth->particles[1] = cut->n;
+    cloth->size[0] = cut->h * (cut->m - 1);
+    cloth->size[1] = cut->h * (cut->n - 1);
+    return APP_OK;
+}
+
+int read_panel(struct json *json, json_t *node, void *out)
+{
+    static const struct json_key keys[] = {
+        TEXT_KEY("pattern", offsetof(struct panel_key, pattern)),
+        TEXT_KEY("name", offsetof(struct panel_key, name)),
+        NUMBER_KEY("cell", offsetof(struct panel_key, cell), 1e-4, 0.1),
+        {0}};
+    struct panel_key key = {.cell = 0.005};
+    struct pattern pattern;
+    struct garment garment = {0};
+    struct pattern_panel *panel = NULL;
+    char path[FILE_PATH];
+    int status = json_fields(json, node, keys, &key);
+    if (status == APP_OK)
+        status = find_pattern(json, key.pattern, path);
+    if (status == APP_OK)
+        status = pattern_load(json->pool, path, &pattern);
+    if (status != APP_OK)
+        return status;
+    status = find_panel(json, &pattern, key.name, &panel);
+    if (status != APP_OK)
+        return status;
+    struct pattern one = pattern;
+    one.panels = 1;
+    one.panel = panel;
+    one.stitches = 0;
+    status = garment_cut(&garment, &one, key.cell);
+    if (status == APP_OK)
+        status = keep_cut(json, &garment.panel[0], out);
+    garment_free(&garment);
+    return status;
+}

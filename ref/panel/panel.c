@@ -1,0 +1,281 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Makes the lists of a panel, and corrects the streams of its cloth.
+ * spec/panel/panel.md §1, §3 */
+#include "ref/panel/panel.h"
+
+#include "ref/base/cells.h"
+#include "ref/base/sum.h"
+#include "ref/panel/fibres.h"
+#include "ref/panel/stars.h"
+
+/* A panel under construction. */
+struct making {
+    const drape_cloth *def;
+    struct cloth *cloth;
+    struct arena *arena;
+    struct panel *to;
+    double *area;   /* [count] m², of particles that have odd cells, else 0 */
+    double *bend;   /* [SPRINGS·count] N/m, of the pair in direction o of p */
+    uint8_t *pairs; /* [count] bits of the pairs that are joined */
+    int32_t *at;    /* [SPRINGS·count] number of the pair; [count] of the
+                       particle in the list */
+};
+
+static void *take_stream(const struct making *a, int64_t n, size_t size)
+{
+    return arena_take(a->arena, ARENA_CLOTH, n, size);
+}
+
+/* Where the block of the pair p, q is: direction · count + first particle. */
+static int64_t slot_of(const struct making *a, int64_t p, int64_t q)
+{
+    int32_t m = a->cloth->m;
+    for (int o = 0; o < SPRINGS; o++) {
+        int64_t step = spring_step(m, o);
+        int64_t di = q % m - p % m, dj = q / m - p / m;
+        if (di == spring_di[o] && dj == spring_dj[o])
+            return o * a->cloth->count + p;
+        if (di == -spring_di[o] && dj == -spring_dj[o])
+            return o * a->cloth->count + p - step;
+    }
+    return -1;
+}
+
+/* Calls visit for each odd cell, ascending; number: how many there were before.
+ */
+static void each_odd_cell(struct making *a,
+                          void (*visit)(struct making *, int64_t number,
+                                        const int64_t at[4], int corners))
+{
+    const drape_cloth *d = a->def;
+    int64_t number = 0, at[4];
+    for (int64_t j = 0; j < d->n - 1; j++)
+        for (int64_t i = 0; i < d->m - 1; i++) {
+            int kind = cell_kind(d, i, j);
+            if (cell_is_odd(kind))
+                visit(a, number++, at,
+                      cell_corners(kind, i + d->m * j, d->m, at));
+        }
+}
+
+static void count_cell(struct making *a, int64_t number, const int64_t at[4],
+                       int corners)
+{
+    (void)at;
+    (void)corners;
+    a->to->n_cells = number + 1;
+}
+
+/* §2: the corners and fibres of a cell, and its part of their areas. */
+static void make_cell(struct making *a, int64_t number, const int64_t at[4],
+                      int corners)
+{
+    double x[4][2];
+    for (int k = 0; k < corners; k++)
+        memcpy(x[k], a->def->panel->rest[at[k]], sizeof x[k]);
+    double hu = a->def->width / (a->def->m - 1);
+    double hv = a->def->height / (a->def->n - 1);
+    make_fibres((const double(*)[2])x, corners, hu, hv, a->to->fibre[number]);
+    double share = cell_area((const double(*)[2])x, corners) / corners;
+    for (int k = 0; k < CORNERS; k++)
+        a->to->corner[number][k] = (int32_t)at[k % corners];
+    for (int k = 0; k < corners; k++)
+        a->area[at[k]] += share;
+    for (int k = 0; k < CELL_PAIRS; k++) {
+        int p = pair_ends[k][0], q = pair_ends[k][1];
+        if (p >= corners || q >= corners)
+            continue;
+        int64_t slot = slot_of(a, at[p], at[q]), count = a->cloth->count;
+        a->pairs[slot % count] |= (uint8_t)(1 << slot / count);
+    }
+}
+
+/* §3.2: adds what the regular cells of a particle of an odd cell give to its
+ * area, and sets its mass and its mark. */
+static void weigh_particles(struct making *a)
+{
+    struct cloth *c = a->cloth;
+    double cell = a->def->width / (c->m - 1) * (a->def->height / (c->n - 1));
+    for (int64_t p = 0; p < c->count; p++) {
+        unsigned b = c->beside[p];
+        if (!(a->area[p] > 0))
+            continue;
+        for (int k = 0; k < 4; k++)
+            a->area[p] += b >> k & 1 ? cell / 4 : 0;
+        c->mass[p] = (real)(a->def->material.density * a->area[p]);
+        c->beside[p] = (uint8_t)(b | BESIDE_STARS);
+    }
+}
+
+/* §4.3: what the stars join. As Σ c = 0, |Σ c x|² is -Σ c_p c_q |x_p - x_q|²
+ * over the pairs. */
+static void join_stars(struct making *a)
+{
+    int64_t count = a->cloth->count;
+    for (int64_t i = 0; i < a->to->n_stars; i++) {
+        const struct star *s = &a->to->star[i];
+        double c[5] = {0, 0, 0, 0, 0};
+        for (int k = 1; k < 5; k++) {
+            c[k] = (double)s->c[k - 1];
+            c[0] -= c[k];
+        }
+        for (int p = 0; p < 5; p++)
+            for (int q = p + 1; q < 5; q++) {
+                if (c[p] == 0 || c[q] == 0 || s->at[p] == s->at[q])
+                    continue;
+                int64_t slot = slot_of(a, s->at[p], s->at[q]);
+                a->bend[slot] -= (double)s->k * c[p] * c[q];
+                a->pairs[slot % count] |= (uint8_t)(1 << slot / count);
+            }
+    }
+}
+
+/* §3.3: lists the pairs. */
+static void list_pairs(struct making *a)
+{
+    struct panel *to = a->to;
+    struct cloth *c = a->cloth;
+    for (int64_t p = 0; p < c->count; p++)
+        for (int o = 0; o < SPRINGS; o++) {
+            int64_t slot = o * c->count + p, k = to->n_pairs;
+            if (!(a->pairs[p] >> o & 1))
+                continue;
+            to->first[k] = (int32_t)p;
+            to->way[k] = (uint8_t)o;
+            to->bend[k] = (real)a->bend[slot];
+            to->from[k][0] = to->from[k][1] = -1;
+            a->at[slot] = (int32_t)to->n_pairs++;
+        }
+    for (int64_t p = 0; p < c->count; p++)
+        c->pairs[p] = (uint8_t)(c->springs[p] | a->pairs[p]);
+}
+
+static void add_to_list(int32_t *list, int n, int32_t entry)
+{
+    int k = 0;
+    while (k < n - 1 && list[k] >= 0)
+        k++;
+    list[k] = entry;
+}
+
+/* §3.3: tells the pairs of a cell where it writes their blocks. */
+static void name_joins(struct making *a, int64_t number, const int64_t at[4],
+                       int corners)
+{
+    for (int k = 0; k < CELL_PAIRS; k++) {
+        int p = pair_ends[k][0], q = pair_ends[k][1];
+        if (p < corners && q < corners)
+            add_to_list(a->to->from[a->at[slot_of(a, at[p], at[q])]], 2,
+                        (int32_t)(CELL_PAIRS * number + k));
+    }
+}
+
+/* §3.4: tells the corners of a cell where it writes their forces. */
+static void name_pushes(struct making *a, int64_t number, const int64_t at[4],
+                        int corners)
+{
+    for (int k = 0; k < corners; k++)
+        add_to_list(a->to->push[a->at[at[k]]], 4,
+                    (int32_t)(CORNERS * number + k));
+}
+
+/* §3.4: lists the particles of pairs, and the pairs of each that bend. */
+static void list_parts(struct making *a)
+{
+    struct panel *to = a->to;
+    int64_t count = a->cloth->count;
+    for (int64_t k = 0; k < to->n_pairs; k++) {
+        int64_t p = to->first[k], step = spring_step(a->cloth->m, to->way[k]);
+        a->pairs[p] = a->pairs[p + step] = 1;
+        to->n_parts += 2;
+    }
+    to->n_parts = to->n_parts < count ? to->n_parts : count;
+    to->part = take_stream(a, to->n_parts, sizeof *to->part);
+    to->push = take_stream(a, to->n_parts, sizeof *to->push);
+    to->tie = take_stream(a, to->n_parts, sizeof *to->tie);
+    if (a->arena->failed)
+        return;
+    memset(to->push, -1, (size_t)to->n_parts * sizeof *to->push);
+    memset(to->tie, -1, (size_t)to->n_parts * sizeof *to->tie);
+    to->n_parts = 0;
+    for (int64_t p = 0; p < count; p++)
+        if (a->pairs[p]) {
+            to->part[to->n_parts] = (int32_t)p;
+            a->at[p] = (int32_t)to->n_parts++;
+        }
+    for (int64_t k = 0; k < to->n_pairs; k++) {
+        int64_t p = to->first[k], o = to->way[k];
+        int64_t q = p + spring_step(a->cloth->m, (int)o);
+        if (to->bend[k] != 0) {
+            to->tie[a->at[p]][2 * o] = (int32_t)k;
+            to->tie[a->at[q]][2 * o + 1] = (int32_t)k;
+        }
+    }
+}
+
+static int64_t count_pairs(const struct making *a)
+{
+    int64_t n = 0;
+    for (int64_t p = 0; p < a->cloth->count; p++)
+        for (int o = 0; o < SPRINGS; o++)
+            n += a->pairs[p] >> o & 1;
+    return n;
+}
+
+static int make_cells(struct making *a)
+{
+    struct panel *to = a->to;
+    each_odd_cell(a, count_cell);
+    to->corner = take_stream(a, to->n_cells, sizeof *to->corner);
+    to->fibre = take_stream(a, to->n_cells, sizeof *to->fibre);
+    to->pushes = take_stream(a, CORNERS * to->n_cells, sizeof *to->pushes);
+    to->joins = take_stream(a, CELL_PAIRS * to->n_cells, sizeof *to->joins);
+    if (a->arena->failed)
+        return DRAPE_ENOMEM;
+    each_odd_cell(a, make_cell);
+    weigh_particles(a);
+    struct star_grid grid = {a->def, a->cloth, a->area, a->arena};
+    return make_stars(&grid, to);
+}
+
+static int make_lists(struct making *a)
+{
+    struct panel *to = a->to;
+    join_stars(a);
+    int64_t n = count_pairs(a);
+    to->first = take_stream(a, n, sizeof *to->first);
+    to->way = take_stream(a, n, sizeof *to->way);
+    to->bend = take_stream(a, n, sizeof *to->bend);
+    to->from = take_stream(a, n, sizeof *to->from);
+    to->chunk = take_stream(a, sum_chunks(to->n_cells + to->n_stars),
+                            sizeof *to->chunk);
+    if (a->arena->failed)
+        return DRAPE_ENOMEM;
+    list_pairs(a);
+    each_odd_cell(a, name_joins);
+    list_parts(a);
+    if (!a->arena->failed)
+        each_odd_cell(a, name_pushes);
+    return a->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
+}
+
+int panel_make(const drape_cloth *d, struct cloth *c, struct arena *arena)
+{
+    struct making a = {.def = d, .cloth = c, .arena = arena};
+    int64_t slots = SPRINGS * c->count;
+    a.to = take_stream(&a, 1, sizeof *a.to);
+    c->pairs = take_stream(&a, c->count, 1);
+    a.area = arena_take(arena, ARENA_OTHER, c->count, sizeof *a.area);
+    a.bend = arena_take(arena, ARENA_OTHER, slots, sizeof *a.bend);
+    a.pairs = arena_take(arena, ARENA_OTHER, c->count, 1);
+    a.at = arena_take(arena, ARENA_OTHER, slots, sizeof *a.at);
+    c->panel = a.to;
+    int status = arena->failed ? DRAPE_ENOMEM : make_cells(&a);
+    if (status == DRAPE_OK)
+        status = make_lists(&a);
+    arena_give(arena, a.area);
+    arena_give(arena, a.bend);
+    arena_give(arena, a.pairs);
+    arena_give(arena, a.at);
+    return status;
+}

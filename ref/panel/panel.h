@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Makes the lists of a panel. spec/panel/panel.md */
+#ifndef REF_PANEL_H
+#define REF_PANEL_H
+
+#include "ref/base/arena.h"
+#include "ref/panel/lists.h"
+
+/* Makes the panel of a cloth that ref_cloth_fill has filled, and corrects its
+ * streams: beside, pairs, mass. DRAPE_OK or DRAPE_ENOMEM. */
+int panel_make(const drape_cloth *def, struct cloth *c, struct arena *arena);
+
+#endif

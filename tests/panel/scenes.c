@@ -1,0 +1,384 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Panels in whole scenes: what is refused, rectangles, bias strips, contact and
+ * rest. spec/panel/panel.md */
+#include "tests/cloth/sheet.h"
+#include "tests/panel/cutting.h"
+#include "tests/world/scene.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* A scene of one cloth over a ball, or without it. */
+enum { ROUND = 24, RINGS = 12, BALL = ROUND * (RINGS - 1) + 2 };
+struct stage_set {
+    drape_def def;
+    drape_obstacle ball;
+    double x[BALL][3];
+    int32_t tri[2 * ROUND * (RINGS - 1)][3];
+};
+
+static void add_ball(struct stage_set *s, double radius, double height)
+{
+    const double pi = 3.1415926535897932;
+    int64_t n = 0;
+    for (int k = 1; k < RINGS; k++)
+        for (int i = 0; i < ROUND; i++) {
+            double *x = s->x[(k - 1) * ROUND + i];
+            x[0] = radius * sin(pi * k / RINGS) * cos(2 * pi * i / ROUND);
+            x[1] = height + radius * cos(pi * k / RINGS);
+            x[2] = radius * sin(pi * k / RINGS) * sin(2 * pi * i / ROUND);
+        }
+    s->x[BALL - 2][1] = height + radius;
+    s->x[BALL - 1][1] = height - radius;
+    for (int k = 0; k < RINGS; k++)
+        for (int i = 0; i < ROUND; i++) {
+            int up = (k - 1) * ROUND, down = k * ROUND, j = (i + 1) % ROUND;
+            int32_t *t = s->tri[n];
+            if (k > 0 && k < RINGS - 1) {
+                memcpy(s->tri[n++], (int32_t[3]){up + i, up + j, down + i},
+                       sizeof *s->tri);
+                memcpy(s->tri[n++], (int32_t[3]){up + j, down + j, down + i},
+                       sizeof *s->tri);
+            } else {
+                t[0] = k ? BALL - 1 : BALL - 2;
+                t[1] = k ? up + i : down + j;
+                t[2] = k ? up + j : down + i;
+                n++;
+            }
+        }
+    drape_default_obstacle(&s->ball);
+    s->ball.n_vertices = BALL;
+    s->ball.n_triangles = n;
+    s->ball.x = (const double(*)[3])s->x;
+    s->ball.tri = (const int32_t(*)[3])s->tri;
+    s->def.obstacles = &s->ball;
+    s->def.n_obstacles = 1;
+}
+
+static void set_stage(struct stage_set *s, const drape_cloth *cloth)
+{
+    memset(s, 0, sizeof *s);
+    drape_default(&s->def);
+    s->def.precision = REAL_BITS;
+    s->def.cloths = cloth;
+    s->def.n_cloths = 1;
+}
+
+/* Lays a cutting's cloth flat at a height, its middle above the origin. */
+static void lay_flat(struct cutting *c, double height)
+{
+    drape_cloth *d = &c->cloth;
+    drape_material m = d->material;
+    drape_default_cloth(d);
+    m.thickness = 2e-3;
+    m.friction = 0.3;
+    m.stretch = 300;
+    m.shear = 100;
+    d->material = m;
+    d->m = c->cut.m;
+    d->n = c->cut.n;
+    d->width = c->cut.h * (d->m - 1);
+    d->height = c->cut.h * (d->n - 1);
+    d->panel = &c->panel;
+    double u[3] = {1, 0, 0}, v[3] = {0, 0, -1};
+    memcpy(d->u, u, sizeof u);
+    memcpy(d->v, v, sizeof v);
+    d->origin[0] = -d->width / 2;
+    d->origin[1] = height;
+    d->origin[2] = d->height / 2;
+}
+
+/* panel.md §1: a panel of regular cells alone is the rectangle, to the bit;
+ * with multigrid it would smooth by other blocks. */
+const char *test_panel_rectangle(void)
+{
+    enum { M = 13, N = 11 };
+    static double rest[M * N][2];
+    static uint8_t cell[(M - 1) * (N - 1)];
+    struct stage_set s;
+    drape_cloth cloth = sheet_default(M, N);
+    uint64_t hash[2];
+    cloth.width = 0.01 * (M - 1);
+    cloth.height = 0.01 * (N - 1);
+    cloth.v[1] = 0;
+    cloth.v[2] = -1;
+    cloth.origin[0] = -cloth.width / 2;
+    cloth.origin[1] = 0.11;
+    cloth.origin[2] = cloth.height / 2;
+    for (int p = 0; p < M * N; p++) {
+        rest[p][0] = 0.01 * (p % M);
+        rest[p][1] = 0.01 * (p / M);
+    }
+    memset(cell, DRAPE_CELL_REGULAR, sizeof cell);
+    drape_panel panel = {(const double(*)[2])rest, cell};
+    for (int k = 0; k < 2; k++) {
+        drape_world *world;
+        drape_step_report r;
+        cloth.panel = k ? &panel : NULL;
+        set_stage(&s, &cloth);
+        add_ball(&s, 0.1, 0);
+        s.def.precond = DRAPE_JACOBI;
+        EXPECT(drape_create(&s.def, &world, NULL) == DRAPE_OK);
+        int64_t contacts = 0;
+        for (int step = 0; step < 12; step++) {
+            EXPECT(drape_step(world, &r) == DRAPE_OK);
+            contacts += r.contacts;
+        }
+        EXPECT(contacts > 0);
+        hash[k] = scene_hash(world);
+        drape_destroy(world);
+    }
+    EXPECT(hash[0] == hash[1]);
+    ran(1);
+    return NULL;
+}
+
+/* Solves the 3 × 3 normal equations of a fit a + b s + c n. Returns b. */
+static double fit_slope(int64_t n, const double (*q)[3], const double *y,
+                        double out[3])
+{
+    double a[3][4] = {{0}};
+    for (int64_t k = 0; k < n; k++)
+        for (int i = 0; i < 3; i++) {
+            for (int j = 0; j < 3; j++)
+                a[i][j] += q[k][i] * q[k][j];
+            a[i][3] += q[k][i] * y[k];
+        }
+    for (int i = 0; i < 3; i++)
+        for (int r = 0; r < 3; r++)
+            if (r != i) {
+                double f = a[r][i] / a[i][i];
+                for (int j = 0; j < 4; j++)
+                    a[r][j] -= f * a[i][j];
+            }
+    for (int i = 0; i < 3; i++)
+        out[i] = a[i][3] / a[i][i];
+    return out[1];
+}
+
+/* panel.md §2: a strip hangs along `turn` to the grain, in its plane. Its
+ * modulus in the middle, where the ends do not reach, over theory. */
+static const char *check_bias(double turn, double h)
+{
+    const double length = 0.5, width = 0.1, strain = 2e-3;
+    struct cutting c;
+    struct stage_set s;
+    EXPECT(cutting_strip(&c, length, width, turn, h));
+    double u = cos(turn), v = sin(turn), C = 1000, G = 300;
+    /* compliance: 1/E of an orthotropic sheet with C12 = C66 = G */
+    double det = C * C - G * G, s11 = C / det, s12 = -G / det, s66 = 1 / G;
+    double modulus = 1 / (s11 * (u * u * u * u + v * v * v * v) +
+                          (2 * s12 + s66) * u * u * v * v);
+    c.cloth.material.stretch = C;
+    c.cloth.material.shear = G;
+    int64_t n = (int64_t)c.cut.m * c.cut.n, pins = 0, middle = 0;
+    drape_pin *pin = calloc((size_t)n, sizeof *pin);
+    double(*x)[3] = calloc((size_t)n, sizeof *x);
+    double(*q)[3] = calloc((size_t)n, sizeof *q);
+    double *y = calloc((size_t)n, sizeof *y), out[3];
+    EXPECT(pin && x && q && y);
+    for (int64_t p = 0; p < n; p++)
+        if (c.cut.kind[p] != CUT_OUT &&
+            u * c.cut.x[p][0] + v * c.cut.x[p][1] < 0.8 * h)
+            pin[pins++] =
+                (drape_pin){(int)(p % c.cut.m), (int)(p / c.cut.m), -1};
+    c.cloth.pins = pin;
+    c.cloth.n_pins = (int)pins;
+    set_stage(&s, &c.cloth);
+    double load = strain * modulus / length;
+    s.def.gravity[0] = u * load / c.cloth.material.density;
+    s.def.gravity[1] = v * load / c.cloth.material.density;
+    s.def.precision = 64;
+    s.def.self_collision = 0;
+    s.def.dt = 10;
+    s.def.newton = 16;
+    s.def.tolerance = 1e-12;
+    drape_world *world;
+    drape_step_report r;
+    EXPECT(drape_create(&s.def, &world, NULL) == DRAPE_OK);
+    for (int k = 0; k < 6; k++)
+        EXPECT(drape_step(world, &r) == DRAPE_OK);
+    drape_read(world, x, NULL);
+    drape_destroy(world);
+    for (int64_t p = 0; p < n; p++) {
+        const double *a = c.cut.x[p];
+        double along = u * a[0] + v * a[1], across = u * a[1] - v * a[0];
+        if (c.cut.kind[p] == CUT_OUT || along < 0.17 || along > 0.33)
+            continue;
+        q[middle][0] = 1;
+        q[middle][1] = along - 0.25;
+        q[middle][2] = across - width / 2;
+        /* the load falls along the strip: half of its part of (s - 0.25)² */
+        double e = load / modulus;
+        double moved =
+            u * (x[p][0] - c.rest[p][0]) + v * (x[p][1] - c.rest[p][1]);
+        y[middle] = moved + 0.5 * e * q[middle][1] * q[middle][1];
+        middle++;
+    }
+    double is = load * 0.25 / fit_slope(middle, (const double(*)[3])q, y, out);
+    free(pin);
+    free(x);
+    free(q);
+    free(y);
+    cutting_free(&c);
+    EXPECT(fabs(is / modulus - 1) <= 1e-3);
+    ran(1);
+    return NULL;
+}
+
+const char *test_panel_bias(void)
+{
+    static const double turn[] = {0.17453292519943295, 0.3490658503988659,
+                                  0.5235987755982988, 0.7853981633974483};
+    const char *failed = NULL;
+    for (int k = 0; k < 4 && !failed && REAL_BITS == 64; k++)
+        failed = check_bias(turn[k], 0.01);
+    if (REAL_BITS == 32)
+        ran(1);
+    return failed;
+}
+
+/* Steps a world until it is asleep, or `most` times. No step leaves an
+ * intersecting pair, by its report and by the audit. */
+static const char *settle(drape_world *world, int most, drape_step_report *r)
+{
+    r->outcome = 0;
+    for (int k = 0; k < most && !(r->outcome & DRAPE_ASLEEP); k++) {
+        EXPECT(drape_step(world, r) == DRAPE_OK);
+        EXPECT(!(r->outcome & (DRAPE_TRAPPED | DRAPE_PASSED | DRAPE_DIVERGED |
+                               DRAPE_UNCONVERGED)));
+        EXPECT(r->intersecting == 0);
+        EXPECT(k % 10 || scene_audit(world, 1) == 0);
+    }
+    EXPECT(scene_audit(world, 1) == 0);
+    return NULL;
+}
+
+/* A disc falls on a ball and drapes over it. */
+const char *test_panel_ball(void)
+{
+    struct cutting c;
+    struct stage_set s;
+    drape_world *world;
+    drape_step_report r;
+    EXPECT(cutting_disc(&c, 0.1, REAL_BITS == 32 ? 0.008 : 0.012));
+    lay_flat(&c, 0.062);
+    set_stage(&s, &c.cloth);
+    add_ball(&s, 0.05, 0.01);
+    EXPECT(drape_create(&s.def, &world, NULL) == DRAPE_OK);
+    const char *failed = settle(world, 70, &r);
+    EXPECT(!failed);
+    EXPECT(r.contacts > 50 && r.kinetic < 1e-6);
+    drape_destroy(world);
+    cutting_free(&c);
+    ran(1);
+    return NULL;
+}
+
+/* A strip on the bias that hangs from a corner comes to rest; another number of
+ * threads gives the same bits. */
+const char *test_panel_hangs(void)
+{
+    struct cutting c;
+    struct stage_set s;
+    drape_step_report r;
+    EXPECT(cutting_strip(&c, 0.12, 0.06, 0.5, 0.01));
+    lay_flat(&c, 0);
+    int32_t corner = c.cut.corner[0];
+    const drape_pin pin = {corner % c.cut.m, corner / c.cut.m, -1};
+    c.cloth.pins = &pin;
+    c.cloth.n_pins = 1;
+    c.cloth.material.damping = 0.02;
+    uint64_t hash[2];
+    for (int k = 0; k < 2; k++) {
+        drape_world *world;
+        set_stage(&s, &c.cloth);
+        s.def.threads = k ? 2 : 1;
+        EXPECT(drape_create(&s.def, &world, NULL) == DRAPE_OK);
+        const char *failed = settle(world, 240, &r);
+        if (failed)
+            return failed;
+        EXPECT(r.kinetic < 1e-7);
+        hash[k] = scene_hash(world);
+        drape_destroy(world);
+    }
+    EXPECT(hash[0] == hash[1]);
+    cutting_free(&c);
+    ran(1);
+    return NULL;
+}
+
+/* What a panel does not go with is refused, with a reason. */
+const char *test_panel_refused(void)
+{
+    static uint8_t cut[1 << 12];
+    for (int k = 0; k < 9; k++) {
+        static const char *const words[] = {
+            "holes and cuts", "triples",   "implicit",   "wind", "is 9",
+            "0.05",           "cells off", "coordinate", "NULL"};
+        struct cutting c;
+        struct stage_set s;
+        drape_error error = {0};
+        drape_world *world = NULL;
+        EXPECT(cutting_disc(&c, 0.1, 0.01));
+        set_stage(&s, &c.cloth);
+        int64_t middle = c.cut.m / 2 + (int64_t)c.cut.m * (c.cut.n / 2);
+        int64_t cell = c.cut.m / 2 + (c.cut.m - 1) * (int64_t)(c.cut.n / 2);
+        int want = k == 7 ? DRAPE_EDATA : DRAPE_EARG;
+        if (k == 0)
+            c.cloth.cut = cut;
+        if (k == 1)
+            c.cloth.bending = DRAPE_SPRINGS;
+        if (k == 2)
+            s.def.integrator = DRAPE_VERLET;
+        if (k == 3)
+            s.def.wind = (drape_wind){{1, 0, 0}, 1.2, 1, 1};
+        if (k == 4)
+            c.cut.cell[cell] = 9;
+        if (k == 5) { /* its first corner is moved across its diagonal */
+            for (int64_t i = -1; i < 1; i++)
+                for (int64_t j = -1; j < 1; j++)
+                    c.cut.cell[cell + i + j * (c.cut.m - 1)] =
+                        DRAPE_CELL_RISING;
+            c.rest[middle][0] += 0.006;
+            c.rest[middle][1] -= 0.006;
+        }
+        if (k == 6)
+            c.rest[middle][0] += 0.001;
+        if (k == 7)
+            c.rest[middle][1] = NAN;
+        if (k == 8)
+            c.panel.cell = NULL;
+        EXPECT(drape_create(&s.def, &world, &error) == want);
+        EXPECT(strstr(error.text, words[k]));
+        cutting_free(&c);
+        ran(1);
+    }
+    return NULL;
+}
+
+/* A world with a panel keeps its material, its bodies and still air. */
+const char *test_panel_keeps(void)
+{
+    struct cutting c;
+    struct stage_set s;
+    drape_world *world;
+    const drape_wind still = {0}, wind = {{1, 0, 0}, 1.2, 1, 1};
+    drape_cloth other = sheet_default(3, 3);
+    EXPECT(cutting_disc(&c, 0.1, 0.01));
+    set_stage(&s, &c.cloth);
+    EXPECT(drape_create(&s.def, &world, NULL) == DRAPE_OK);
+    EXPECT(drape_set_wind(world, &wind) == DRAPE_EARG);
+    EXPECT(drape_set_wind(world, &still) == DRAPE_OK);
+    EXPECT(drape_set_material(world, 0, &c.cloth.material) == DRAPE_EARG);
+    EXPECT(drape_add_cloth(world, &other, NULL) == DRAPE_EARG);
+    EXPECT(drape_step(world, NULL) == DRAPE_OK);
+    drape_destroy(world);
+    s.def.cloths = &other;
+    EXPECT(drape_create(&s.def, &world, NULL) == DRAPE_OK);
+    EXPECT(drape_add_cloth(world, &c.cloth, NULL) == DRAPE_EARG);
+    drape_destroy(world);
+    cutting_free(&c);
+    ran(1);
+    return NULL;
+}
