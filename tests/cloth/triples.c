@@ -27,7 +27,7 @@ static double density(const struct cloth *a, double bow, double c, double s)
         rolled(bow, c, s, u, v, after);
         for (int k = 0; k < 3; k++)
             square += (before[k] + after[k]) * (before[k] + after[k]);
-        sum += (double)triple_constant(a->triple, o, CELL_MASKS - 1) * square;
+        sum += (double)triple_constant(a->triple, o, 15) * square;
     }
     return sum / 2 / (hu * hv);
 }
