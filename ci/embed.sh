@@ -218,7 +218,7 @@ ok 'the version as numbers' "$work/version"
 version=$(sed -n 's/.*DRAPE_VERSION "\(.*\)"/\1/p' spec/drape.h)
 exact=$(echo "$version" | sed 's/[.]/[.]/g')
 for file in 'drape:app/drape.1' 'version =:app/blender/blender_manifest.toml' \
-    'version::CITATION.cff' '^##:CHANGELOG.md'; do
+    'version::CITATION.cff' 'version::ci/conda/recipe.yaml' '^##:CHANGELOG.md'; do
     ok "the version in ${file##*:}" grep -qE "${file%:*} \"?$exact(\"| |$)" \
         "${file##*:}"
 done

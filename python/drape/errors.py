@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import warnings
+from typing import Any
 
 from . import _whose  # noqa: F401  PyPI's drape may have taken drape/__init__.py
 from ._core import ffi, lib
@@ -60,6 +62,19 @@ def check(status: int, what: str) -> int:
     error = KINDS.get(Status(status), Error)(f"{what}: {text}")
     error.status = Status(status)
     raise error
+
+
+def need(module: str, what: str, *packages: str) -> Any:
+    """Returns a module that not every drape has with it; an Error that says which
+    packages `what` needs, where they are not installed."""
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        some = "the package" if len(packages) == 1 else "the packages"
+        raise Error(
+            f"{what} needs {some} {' and '.join(packages)} ({error}): "
+            f"pip install {' '.join(packages)}"
+        ) from error
 
 
 def warn(text: str) -> None:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import importlib
 import os
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -18,7 +17,7 @@ from ._core import ffi
 from ._define import read_scene
 from ._endings import ALEMBIC, NUMPY, USD
 from ._meshes import are_of
-from .errors import Error, SceneError
+from .errors import SceneError, need
 
 Array = NDArray[Any]
 
@@ -127,9 +126,9 @@ def read_meshes(path: str | os.PathLike[str]) -> dict[str, Mesh]:
     if ending in NUMPY:
         reader = _npz
     elif ending in USD:
-        reader = _package("drape.export.usd_read", "usd-core", ending)
+        reader = need("drape.export.usd_read", ending, "usd-core").read
     elif ending in ALEMBIC:
-        reader = _package("drape.export.alembic_read", "bpy", ending)
+        reader = need("drape.export.alembic_read", ending, "bpy").read
     found: dict[str, Mesh] = {}
     for mesh in reader(file):
         name, k = mesh.name, 2
@@ -139,15 +138,6 @@ def read_meshes(path: str | os.PathLike[str]) -> dict[str, Mesh]:
     if not found:
         raise SceneError(f"{file}: there is no mesh in it")
     return found
-
-
-def _package(module: str, package: str, ending: str) -> Any:
-    try:
-        return importlib.import_module(module).read
-    except ImportError as error:
-        raise Error(
-            f"{ending} needs the package {package} ({error}): pip install {package}"
-        ) from error
 
 
 def _by_tool(file: Path) -> list[Mesh]:

@@ -28,7 +28,7 @@ from ._stretch import Stretch
 from .arrays import SharedArray, address, order
 from .bodies import Bodies
 from .control import fault_of, told
-from .errors import DivergedError, Error, SceneError, check, warn
+from .errors import DivergedError, Error, SceneError, check, need, warn
 from .mesh import Audit, audit
 from .pins import Pinning, Pins
 from .record import Recorder, picture
@@ -107,11 +107,7 @@ class Reports(list[StepReport]):
 
     def to_pandas(self) -> Any:
         """Returns the columns as a data frame of pandas, a row a step."""
-        try:
-            import pandas
-        except ImportError as error:
-            raise Error("to_pandas needs pandas: pip install pandas") from error
-        return pandas.DataFrame(self.columns())
+        return need("pandas", "to_pandas", "pandas").DataFrame(self.columns())
 
     def __repr__(self) -> str:
         """How many there are, and all that happened in any of the steps."""

@@ -2,8 +2,9 @@
 """One scene by several simulators: a sheet of 1 m falls on a ball and folds over it.
 drape counts, exactly, the pairs of triangles that intersect in each frame.
 
-usage: beside.py [drape|mujoco|mujoco-stiff|mujoco-ipc|newton [FILE.npz]]
-FILE.npz gets the frames, which `drape audit` and `drape view` read, too.
+usage: beside.py [drape|mujoco|mujoco-stiff|mujoco-ipc|newton [FILE.npz|FILE.png]]
+FILE.npz gets the frames, which `drape audit` and `drape view` read, too; FILE.png a
+picture of the last one.
 """
 
 from __future__ import annotations
@@ -27,6 +28,11 @@ RATE, FRAMES = 60, 45
 Run = tuple[str, np.ndarray, Iterator[np.ndarray]]
 
 
+def shape() -> drape.Obstacle:
+    """Returns the ball."""
+    return drape.Obstacle(shape="sphere", radius=RADIUS, friction=FRICTION, detail=48)
+
+
 def fall() -> drape.World:
     """Returns a world with the sheet over the ball."""
     cloth = drape.Cloth(
@@ -42,8 +48,7 @@ def fall() -> drape.World:
             friction=FRICTION,
         ),
     )
-    shape = drape.Obstacle(shape="sphere", radius=RADIUS, friction=FRICTION, detail=48)
-    scene = drape.Scene(cloths=[cloth], obstacles=[shape], dt=1 / RATE, precision=64)
+    scene = drape.Scene(cloths=[cloth], obstacles=[shape()], dt=1 / RATE, precision=64)
     return drape.World(scene)
 
 
@@ -110,9 +115,9 @@ def by_newton() -> Run:
     warp.config.quiet = True
     warp.set_device("cpu")
     builder, cell, steps = newton.ModelBuilder(), SIDE / CELLS, 10
-    shape = builder.default_shape_cfg.copy()
-    shape.mu = FRICTION
-    builder.add_shape_sphere(body=-1, radius=RADIUS, cfg=shape)
+    config = builder.default_shape_cfg.copy()
+    config.mu = FRICTION
+    builder.add_shape_sphere(body=-1, radius=RADIUS, cfg=config)
     builder.add_cloth_grid(
         pos=warp.vec3(-SIDE / 2, -SIDE / 2, HEIGHT),
         rot=warp.quat_identity(),
@@ -159,6 +164,25 @@ def by_newton() -> Run:
     return f"Newton {newton.__version__}, VBD", triangles, frames()
 
 
+def picture(x: np.ndarray, file: str) -> None:
+    """Makes a picture of the last of some frames."""
+    side = CELLS + 1
+    rows = x.reshape(-1, side, side, 3)
+    u, v = rows[0, 0, 1] - rows[0, 0, 0], rows[0, 1, 0] - rows[0, 0, 0]
+    if np.cross(u, v)[1] > 0:  # the sheet's other side is up
+        rows = rows.swapaxes(1, 2)
+    cloth = drape.Cloth(
+        particles=[side, side],
+        size=[SIDE, SIDE],
+        positions=rows[-1].reshape(-1, 3),
+    )
+    camera = drape.Camera(eye=[1.0, 0.5, 1.2], target=[0, -0.1, 0])
+    scene = drape.Scene(
+        cloths=[cloth], obstacles=[shape()], camera=camera, allow_intersecting=True
+    )
+    drape.World(scene).render(file, width=400, height=360, samples=32)
+
+
 def y_up(x: np.ndarray) -> np.ndarray:
     """Returns positions with +z up as positions with +y up."""
     return np.stack([x[:, 0], x[:, 2], -x[:, 1]], 1).astype(np.float64)
@@ -184,9 +208,9 @@ def main(by: str = "drape", file: str | None = None) -> list[int]:
     # the ball's mesh lies within the ball: what intersects it is in the ball
     world = fall()
     body = world.bodies[1]
-    shape = world.positions[body.vertices]
+    around = world.positions[body.vertices]
     inside = world.triangles[body.triangles] - body.vertices.start
-    both = np.concatenate([x, np.broadcast_to(shape, (len(x), *shape.shape))], axis=1)
+    both = np.concatenate([x, np.broadcast_to(around, (len(x), *around.shape))], axis=1)
     tri = np.concatenate([faces, inside + x.shape[1]])
     group = np.repeat([1, 0], [len(faces), len(inside)])
     all_ = [each.pairs for each in drape.audit_frames(both, tri, group)]
@@ -205,7 +229,9 @@ def main(by: str = "drape", file: str | None = None) -> list[int]:
         text = " ".join([words, *map(str, counts)])
         print(textwrap.fill(text, 80, subsequent_indent="  "))
     print(f"{name}: {seconds:.1f} s of a core", file=sys.stderr)
-    if file:
+    if file and file.endswith(".png"):
+        picture(x, file)
+    elif file:
         np.savez_compressed(file, frames=x, faces=faces, frame_dt=1 / RATE)
     return own
 

@@ -189,7 +189,7 @@ def test_a_killed_sweep_goes_on(number: signal.Signals, tmp_path: Path) -> None:
     assert process.returncode == (-9 if killed else 130)
     assert told == ("" if killed else "drape: sweep: interrupted\n")
     done = len(list(out.glob("results/*.json")))
-    for file in out.glob("results/*"):
+    for file in out.glob("results/[!.]*"):  # SIGKILL may leave .ID.part.npz
         assert np.load(file) if file.suffix == ".npz" else json.loads(file.read_text())
     again = subprocess.run(command, capture_output=True, text=True)
     assert again.stdout.endswith(f": 3 scenes, 0 failed, {done} reused\n")

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from drape import _meshes, _whole
 from drape._endings import FRAME
-from drape.errors import Error
+from drape.errors import Error, need
 from drape.export.run import Run
 
 if TYPE_CHECKING:
@@ -102,12 +102,7 @@ def write_frame(path: Path, x: NDArray[Any], data: Data) -> None:
     if ending == ".ply":
         _whole.write(path, _meshes.ply(x, tri))
         return
-    try:
-        import meshio
-    except ImportError as error:
-        raise Error(
-            f"{ending} needs the package meshio ({error}): pip install meshio"
-        ) from error
+    meshio = need("meshio", ending, "meshio")
     points: Data = {}
     cells: dict[str, list[NDArray[Any]]] = {}
     if ending in CELLS:

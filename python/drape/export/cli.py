@@ -3,14 +3,13 @@
 
 from __future__ import annotations
 
-import importlib
 import re
 from collections.abc import Sequence
 from pathlib import Path
 
 from drape import _whole
 from drape._endings import FRAME
-from drape.errors import Error, SceneError
+from drape.errors import Error, SceneError, need
 from drape.export import arrays, film
 from drape.export.console import FAILED, OK, USAGE, Parser, complain, say, whole
 from drape.export.run import Run, RunError
@@ -32,8 +31,8 @@ def export(run: Run | str | Path, to: str | Path, every: int = 1) -> int:
     ``frame_%04d.vtu``, and ends in .ply, .obj, .off, .stl, .vtk or .vtu.
 
     A file appears whole or not at all, in place of one that is there. Returns
-    the number of frames in it. Raises SceneError, ImportError where the format's
-    package is not installed, or OSError.
+    the number of frames in it. Raises SceneError, Error where the format's package
+    is not installed, or OSError.
     """
     run = run if isinstance(run, Run) else Run(run)
     path = Path(to)
@@ -51,13 +50,7 @@ def export(run: Run | str | Path, to: str | Path, every: int = 1) -> int:
             f"{path}: expected a name that ends in {ENDINGS}, or one a frame, as "
             f"frame_%04d.ply, in {', '.join(FRAME)}"
         )
-    try:
-        module = importlib.import_module(f"drape.export.{form[0]}")
-    except ImportError as error:
-        raise ImportError(
-            f"{path.suffix} needs the package {form[1]} ({error}): "
-            f"pip install {form[1]}"
-        ) from None
+    module = need(f"drape.export.{form[0]}", path.suffix, form[1])
     frames = run.frames()[::every]
     with _whole.beside(path) as part:
         module.write(run, frames, part.absolute())
@@ -102,7 +95,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         count = export(run, given.to, given.every)
     except SceneError as error:
         return complain(USAGE, f"export: {error}")
-    except (Error, ImportError) as error:
+    except Error as error:
         return complain(FAILED, f"export: {error}")
     except OSError as error:
         return complain(FAILED, f"export: {given.to}: {error.strerror or error}")

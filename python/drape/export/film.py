@@ -10,7 +10,7 @@ import tempfile
 from pathlib import Path
 
 from drape import _whole, tool
-from drape.errors import Error, SceneError
+from drape.errors import Error, SceneError, need
 from drape.export.run import Run
 
 ENDINGS = (".mp4", ".gif")
@@ -23,9 +23,8 @@ def ffmpeg() -> str:
     found = shutil.which("ffmpeg")
     if found:
         return found
-    import imageio_ffmpeg
-
-    return str(imageio_ffmpeg.get_ffmpeg_exe())
+    package = need("imageio_ffmpeg", "a film without ffmpeg", "imageio-ffmpeg")
+    return str(package.get_ffmpeg_exe())
 
 
 def film(
@@ -59,10 +58,7 @@ def film(
     path = Path(to)
     if path.suffix.lower() not in ENDINGS:
         raise SceneError(f"{path}: expected a name that ends in {' or '.join(ENDINGS)}")
-    try:
-        program = ffmpeg()
-    except ImportError:
-        raise Error("a film needs ffmpeg: pip install imageio-ffmpeg") from None
+    program = ffmpeg()
     with (
         tempfile.TemporaryDirectory(prefix="drape-") as work,
         _whole.beside(path) as part,

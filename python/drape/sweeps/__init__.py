@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
-from ..errors import Error
+from ..errors import Error, need
 from .job import Answer, Data, Job, Variant, grid, jobs_of, sample
 from .store import Store
 
@@ -184,19 +184,17 @@ def _row(job: Job, answer: Answer) -> dict[str, Any]:
     return row | (answer.row or {"digest": None})
 
 
-def _arrow() -> Any:
-    try:
-        import pyarrow.parquet
-    except ImportError as error:
-        text = f"drape.sweep needs pyarrow ({error}): pip install pyarrow"
-        raise Error(text) from error
-    return pyarrow
+def _arrow() -> tuple[Any, Any]:
+    """Returns pyarrow, and what it has of parquet."""
+    names = "pyarrow", "pyarrow.parquet"
+    arrow, parquet = (need(name, "drape.sweep", "pyarrow") for name in names)
+    return arrow, parquet
 
 
 def _write_table(store: Store, rows: list[dict[str, Any]]) -> None:
     """Writes the rows as one file of parquet; a column of values of several
     types is one of texts."""
-    arrow = _arrow()
+    arrow, parquet = _arrow()
     names = list(dict.fromkeys(name for row in rows for name in row))
     columns = {}
     for name in names:
@@ -206,5 +204,5 @@ def _write_table(store: Store, rows: list[dict[str, Any]]) -> None:
         except (arrow.ArrowInvalid, arrow.ArrowTypeError):
             columns[name] = arrow.array([str(value) for value in values])
     sink = arrow.BufferOutputStream()
-    arrow.parquet.write_table(arrow.table(columns), sink)
+    parquet.write_table(arrow.table(columns), sink)
     store.write("table.parquet", sink.getvalue().to_pybytes())

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from ..errors import Error
+from ..errors import need
 from .job import Answer, Job, attempt
 
 
@@ -22,10 +22,7 @@ def run(
         attempts: a job whose worker or node is lost begins anew, this often
         options: of the tasks, as num_cpus, num_gpus or scheduling_strategy
     """
-    try:
-        import ray
-    except ImportError as error:
-        raise Error('on="ray" needs ray: pip install ray') from error
+    ray = need("ray", 'on="ray"', "ray")
     if not ray.is_initialized():
         ray.init(log_to_driver=False)
     again = {"max_retries": attempts - 1}

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from .. import _whole
-from ..errors import Error
+from ..errors import Error, need
 from .job import Data, Job, digest
 
 
@@ -25,18 +25,15 @@ class Store:
 
     def __init__(self, url: str, options: dict[str, Any] | None = None) -> None:
         """Opens the folder; options are those of the file system in fsspec."""
-        try:
-            import fsspec
-            from fsspec.implementations.local import LocalFileSystem
-        except ImportError as error:
-            raise Error("drape.sweep needs fsspec: pip install fsspec") from error
+        fsspec = need("fsspec", "drape.sweep", "fsspec")
+        local = need("fsspec.implementations.local", "drape.sweep", "fsspec")
         self.url = url
         self.options = options or {}
         try:
             self.files, self.root = fsspec.core.url_to_fs(url, **self.options)
         except (ImportError, ValueError) as error:
             raise Error(f"{url}: {error}") from error
-        self.local = isinstance(self.files, LocalFileSystem)
+        self.local = isinstance(self.files, local.LocalFileSystem)
 
     @property
     def shared(self) -> bool:

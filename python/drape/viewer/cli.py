@@ -8,11 +8,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from drape._endings import PYTHONS, TOOLS
-from drape.errors import Error, SceneError
+from drape.errors import Error, SceneError, need
 from drape.export.console import FAILED, OK, USAGE, Parser, complain, port, say
 from drape.export.run import RunError
 from drape.meshes import read_meshes
 from drape.viewer.live import Live
+from drape.viewer.show import PACKAGES
 from drape.viewer.source import Meshes, Recorded, Source
 
 
@@ -58,16 +59,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     # what strangers send to the port is not for the terminal
     logging.getLogger("websockets.server").setLevel(logging.CRITICAL)
     try:
-        from drape.viewer.page import Page
-    except ImportError as error:
-        return complain(
-            FAILED,
-            f"view: needs the packages viser and pygltflib ({error}): "
-            "pip install viser pygltflib",
-        )
-    try:
+        make = need("drape.viewer.page", "the page", *PACKAGES).Page
         source = open_source(given.run)
-        page = Page(source, given.host, given.port, play=not given.paused)
+        page = make(source, given.host, given.port, play=not given.paused)
     except SceneError as error:
         return complain(USAGE, f"view: {error}")
     except Error as error:

@@ -20,10 +20,10 @@ from drape.errors import Error
 from drape.export import mesh
 from drape.export.gltf import snapshot
 from drape.export.run import Body
-from drape.viewer import strain
+from drape.viewer import film, strain
 from drape.viewer.gate import Gate
 from drape.viewer.live import Live
-from drape.viewer.source import Source
+from drape.viewer.source import Recorded, Source
 from drape.viewer.stage import FAR, Stage, bar, display
 from drape.viewer.touch import Touch
 
@@ -179,6 +179,8 @@ class Page:
         self.arrows: Any = gui.add_slider("Arrow, mm for 1 mN", 0.0, 100.0, 0.1, 2.0)
         self.arrows.visible = False
         self.force_bar: Any = gui.add_html("", visible=False)
+        if isinstance(self.source, Recorded):
+            film.add_button(self.server, self.source.run)
         self.play.on_click(lambda _: self._toggle())
         self.steps.on_click(lambda _: self._go(self.steps.value))
         for control in (

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from drape._closing import Closing
 from drape._meshes import mesh_of
-from drape.errors import Error, SceneError
+from drape.errors import SceneError, need
 from drape.meshes import Mesh
 from drape.scene import Scene, array
 from drape.viewer.live import Live
@@ -24,6 +24,8 @@ from drape.world import World
 
 if TYPE_CHECKING:
     from drape.viewer.page import Page
+
+PACKAGES = "viser", "pygltflib"  # of the extra `view`
 
 
 class Viewer(Closing):
@@ -134,14 +136,10 @@ def view(
         the page, whose address is printed where it waits
     """
     logging.getLogger("websockets.server").setLevel(logging.CRITICAL)
-    try:
-        from drape.viewer.page import Page
-    except ImportError as error:
-        text = f"view needs viser and pygltflib ({error}): pip install viser pygltflib"
-        raise Error(text) from error
+    make = need("drape.viewer.page", "the page", *PACKAGES).Page
     source = _source(what, triangles, dt)
     try:
-        page = Page(source, host, port, play=play)
+        page = make(source, host, port, play=play)
     except BaseException:
         source.close()
         raise

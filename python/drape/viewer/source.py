@@ -83,23 +83,23 @@ class Recorded:
 
     def __init__(self, folder: str | Path) -> None:
         """Opens the folder of a run."""
-        self._run = Run(folder)
-        self.title = self._run.scene
-        self.bodies: Sequence[Body] = self._run.bodies
-        self.seconds = self._run.seconds
-        self.camera: dict[str, Any] | None = self._run.report.get("camera")
-        self._steps: list[dict[str, Any]] = self._run.report["steps"]
-        self._end = self._run.end
+        self.run = Run(folder)
+        self.title = self.run.scene
+        self.bodies: Sequence[Body] = self.run.bodies
+        self.seconds = self.run.seconds
+        self.camera: dict[str, Any] | None = self.run.report.get("camera")
+        self._steps: list[dict[str, Any]] = self.run.report["steps"]
+        self._end = self.run.end
 
     def frames(self) -> Sequence[int]:
         """The numbers of the frames that are there."""
-        return self._run.frames()
+        return self.run.frames()
 
     def growing(self) -> bool:
         """Whether the report says that the run has not come to its end."""
         if self._end != "unfinished":
             return False
-        path = self._run.folder / "report.json"
+        path = self.run.folder / "report.json"
         report = json.loads(path.read_text(encoding="utf-8"))
         self._end, self._steps = str(report["end"]), report["steps"]
         return self._end == "unfinished"
@@ -109,11 +109,11 @@ class Recorded:
 
     def positions(self, body: Body, frame: int) -> Positions:
         """The vertices of a body, [vertices, 3] m."""
-        return self._run.positions(body, frame)
+        return self.run.positions(body, frame)
 
     def contacts(self, frame: int) -> Contacts | None:
         """The contacts of a frame; None where the run was made without."""
-        found = self._run.contacts(frame)
+        found = self.run.contacts(frame)
         if found is None:
             return None
         cloths = sum(body.kind == "cloth" for body in self.bodies)
@@ -122,7 +122,7 @@ class Recorded:
 
     def words(self, frame: int) -> str:
         """The report of the frame's last step."""
-        step = frame * int(self._run.report["steps_per_frame"]) - 1
+        step = frame * int(self.run.report["steps_per_frame"]) - 1
         if not 0 <= step < len(self._steps):
             return ""
         keys = "outcome", "contacts", "rounds", "iterations"

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from needs import need
 
+import drape
 from apps.runs import tool
 from drape.export import Run, RunError, mesh
 from drape.export.cli import FORMATS, export, main
@@ -208,7 +209,7 @@ def test_a_package_that_is_missing_is_named(
     still: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(FORMATS, ".glb", ("no_such_writer", "some-package"))
-    with pytest.raises(ImportError, match="pip install some-package"):
+    with pytest.raises(drape.Error, match="pip install some-package"):
         export(Run(still), tmp_path / "x.glb")
 
 

@@ -397,6 +397,17 @@ def test_contacts_and_impulses(still: Path, browser: Any) -> None:
         view.until(lambda p: differ(p, bare) == 0, "contacts off")
 
 
+def test_a_film_of_the_run(still: Path, browser: Any, tmp_path: Path) -> None:
+    program("ffmpeg")
+    with shown(Recorded(still), browser) as view:
+        with view.window.expect_download(timeout=1000 * SECONDS) as found:
+            view.window.get_by_role("button", name="Film").click()
+        found.value.save_as(tmp_path / "film.mp4")
+        assert found.value.suggested_filename == "two sheets.mp4"
+        assert (tmp_path / "film.mp4").read_bytes()[4:8] == b"ftyp"
+        view.window.get_by_role("button", name="Film", exact=True).wait_for()
+
+
 def test_recorded_contacts_and_impulses(tmp_path: Path, browser: Any) -> None:
     folder = make(tmp_path / "run", STILL, "--contacts")
     with shown(Recorded(folder), browser) as view:
