@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # Proves that device code performs the operations of ref/: ci/equal/prove.py, with the
-# solver in an environment of its own. What is not installed is skipped by name.
+# solver in an environment of its own; and that integers of many words lose no carry and
+# have room: carries.py, bits.py. What is not installed is skipped by name.
 # usage: ci/equal/prove.sh BUILD [OPTION...]; ends with `N passed, N failed, N skipped`
 set -eu
 cd "$(dirname "$0")/../.."
@@ -15,6 +16,7 @@ skip() {
     exit 0
 }
 
+python3 ci/equal/bits.py || exit 1
 command -v nvcc >/dev/null || skip 'there is no nvcc'
 clang --version 2>/dev/null | grep -q 'version 14\.' ||
     skip 'clang is not of version 14 (Debian 12 has it)'
@@ -36,4 +38,5 @@ case " $* " in
     fi
     ;;
 esac
+[ ! -e "$venv/made" ] || "$venv/bin/python" ci/equal/carries.py "$build" || exit 1
 exec "$python" ci/equal/prove.py "$build" "$@"
