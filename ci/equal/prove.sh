@@ -18,6 +18,7 @@ skip() {
 }
 
 python3 ci/equal/bits.py || exit 1
+python3 tests/narrow/hardest.py --check || exit 1
 command -v nvcc >/dev/null || skip 'there is no nvcc'
 clang --version 2>/dev/null | grep -q 'version 14\.' ||
     skip 'clang is not of version 14 (Debian 12 has it)'
