@@ -10,6 +10,7 @@ nvcc makes of gpu/: which products are added, how many roundings each meets, and
 the magnitudes are not those of the products, or the comparison has no such bound, the
 proof fails; so does one with another C. Of the roundings a Gappa script is written, in
 BUILD/equal/bounds, and Gappa's bound must be below C by a hundredth, but not by far.
+Of other filters, whose scripts are by hand, the constants must be used by both sides.
 --coq: Gappa's proofs are exported to Coq, which checks them.
 """
 import collections
@@ -28,6 +29,14 @@ from term import TABLE, Unsupported, order
 # Twin, and how many of its comparisons have the bound, of the reference and the device.
 FILTERS = {"orient3": (2, 1), "orient2": (2, 1), "beside_plane": (6, 6), "opened": (1, 1)}
 SIDES = ("reference", "device")
+# Twin, and the constants that its operations must have as factors or terms of
+# the filters whose scripts in spec/proofs/ are by hand.
+USES = (
+    ("errors_of", "ref/narrow/filter.c", ("ERROR_FORM", "ERROR_CUBIC", "UNDERFLOW")),
+    ("parted", "ref/narrow/tritri.c", ("ERROR_PARTED", "UNDERFLOW")),
+    ("spread", "ref/broad/cones.c", ("CONES_ROOM",)),
+    ("meets", "ref/broad/box.h", ("BOX_LATE",)),
+)
 BITS = 64
 MOST_MONOMIALS = 200
 
@@ -188,6 +197,26 @@ def check(results, folder, twin, side, terms):
                        f"a magnitude: {proved} < {one.constant.hex()}")
 
 
+def values(path, name):
+    """What a constant of a file may be in the code: itself, so many units of rounding,
+    or one and those."""
+    with open(path, encoding="utf-8") as file:
+        found = re.search(rf"^#define {name} (\S+)", file.read(), re.M)
+    if not found:
+        return ()
+    x = float.fromhex(found[1]) if "x" in found[1] else float(found[1])
+    return (x,) if x < 1 else (x * 2.0**-53, 1 + x * 2.0**-53)
+
+
+def check_use(results, twin, side, terms, path, names):
+    """Whether one side of a twin computes with its constants."""
+    known = {abs(floats.value(k)) for term in order(terms) if term.op in ("*", "+")
+             for k in term.args if floats.is_const(k)}
+    for name in names:
+        results.tell(any(x in known for x in values(path, name)),
+                     f"{twin}, {side}: uses {name}")
+
+
 def by_coq(results, path):
     """Lets Coq check what Gappa proves of a script."""
     name = "".join(c if c.isalnum() else "_" for c in os.path.basename(path)[:-6])
@@ -206,14 +235,20 @@ def main(build, *options):
     """Proves all."""
     results, folder = Results(), os.path.join(build, "equal", "bounds")
     os.makedirs(folder, exist_ok=True)
-    twins = [t for g in table.read(prove.TWINS) for t in g.twins if t.name in FILTERS]
+    used = {name: rest for name, *rest in USES}
+    twins = [t for g in table.read(prove.TWINS) for t in g.twins
+             if t.name in FILTERS or t.name in used]
     results.tell(prove.compile_all(build, twins, [BITS]) and
-                 len(twins) == len(FILTERS), "the filters' twins compile")
+                 len(twins) == len(FILTERS) + len(used), "the filters' twins compile")
     for twin in twins:
         TABLE.start()
         pairs, _ = question.question(build, twin, BITS)
         for k, side in enumerate(SIDES):
-            check(results, folder, twin.name, side, [pair[k] for pair in pairs])
+            terms = [pair[k] for pair in pairs]
+            if twin.name in used:
+                check_use(results, twin.name, side, terms, *used[twin.name])
+            else:
+                check(results, folder, twin.name, side, terms)
     if "--coq" in options and shutil.which("coqc"):
         for name in sorted(FILTERS):
             by_coq(results, os.path.join(folder, name + ".gappa"))

@@ -92,6 +92,10 @@ PROVERS = (
         ("a sum without a magnitude", "ref/narrow/tritri.c",
          "ERROR_BESIDE * dot_size(t->size, d)", "ERROR_BESIDE * dot_size(t->n, d)",
          "beside_plane, reference"),
+        ("a margin that is not used", "ref/broad/cones.c", "CONES_ROOM * REAL_UNIT", "0",
+         "spread, reference: uses CONES_ROOM"),
+        ("nor on the device", "gpu/broad/cones.cuh", "CONES_ROOM * REAL_UNIT", "0",
+         "spread, device: uses CONES_ROOM"),
     )),
     (("sh", "ci/eva/eva.sh", "build"), "frama-c", (
         ("an index too far", "ref/narrow/filter.c",
