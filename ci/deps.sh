@@ -4,15 +4,16 @@
 # says every ten seconds how far apt is; prints nothing if none is missing. The library
 # itself needs only a C compiler.
 # `apps`: what the tests of export, viewer, Blender add-on and notebook need
-# besides; `slurm`: what those of sweeps by Slurm need. These tests are skipped
-# without. `bare`: what ci/bare.sh needs.
-# usage: ci/deps.sh [apps|slurm|bare]
+# besides; `slurm`: what those of sweeps by Slurm need; `proofs`: what make prove needs
+# for Coq and Frama-C. These are skipped without. `bare`: what ci/bare.sh needs.
+# usage: ci/deps.sh [apps|slurm|proofs|bare]
 set -eu
 need='gcc g++ make clang clang-format clang-tidy libomp-dev
       libassimp-dev libjansson-dev libembree-dev libpng-dev ffmpeg
       libcgal-dev libfcl-dev libccd-dev libgmp-dev libmpfr-dev gappa
       libclang-rt-dev python3 python3-dev python3-venv cmake pkg-config'
 [ "${1-}" != bare ] || need='mmdebstrap git'
+[ "${1-}" != proofs ] || need='frama-c-base coq libcoq-flocq libcoq-gappa'
 [ "${1-}" != slurm ] || need='slurm-wlm munge'
 [ "${1-}" != apps ] || need='chromium libatomic1 python3-torch libgl1 libsm6 libice6 libx11-6 libxext6
       libxfixes3 libxi6 libxkbcommon0 libxrender1'

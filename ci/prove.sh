@@ -7,8 +7,17 @@
 # the script), or it stands on a page, as 2^-49 or 4u. The proved bound must be
 # at least a hundredth below the constant. A row without a script (-) is for a
 # constant whose proof is on a page; such a row has the value as well.
+# usage: ci/prove.sh [--coq BUILD]    --coq: Coq checks what Gappa proves, where it is
 set -eu
 cd "$(dirname "$0")/.."
+coq=
+[ "${1-}" != --coq ] || {
+    coq=$2/coq
+    command -v coqc >/dev/null || {
+        echo "skipped: Coq's proofs: there is no coqc (sh ci/deps.sh proofs)"
+        coq=
+    }
+}
 
 rows='
 narrow_form    ERROR_FORM    ref/narrow/filter.c gpu/narrow/filter.cuh
@@ -80,8 +89,24 @@ prove() {
         ! below "$b" "$3" $(($4 - 6)); then
         echo "proved $1: $b < $2 = $3 * 2^$4"
         passed=$((passed + 1))
+        [ -z "$coq" ] || check_by_coq "$1" "${4#-}"
     else
         echo "FAILED proof $1: bound '$b' against $2 = $3 * 2^$4"
+        failed=$((failed + 1))
+    fi
+}
+
+# Lets Coq check what Gappa proves of a script in one precision, once.
+check_by_coq() {
+    proof=$1_$2
+    [ ! -e "$coq/$proof.v" ] || return 0
+    mkdir -p "$coq"
+    if sed "s/@P@/$2/g" "spec/proofs/$1.gappa" | gappa -Bcoq >"$coq/$proof.v" 2>/dev/null &&
+        (cd "$coq" && coqc -q "$proof.v" >"$proof.log" 2>&1); then
+        echo "proved $1 by Coq"
+        passed=$((passed + 1))
+    else
+        echo "FAILED proof $1 by Coq: $coq/$proof.log"
         failed=$((failed + 1))
     fi
 }
@@ -98,6 +123,7 @@ compare() {
 }
 
 passed=0 failed=0
+[ -z "$coq" ] || rm -rf "$coq"
 while read -r script name files; do
     [ -n "$script" ] || continue
     # shellcheck disable=SC2086 # a list

@@ -13,7 +13,8 @@ certify: ## compares ref and gpu on the device: ci/certificate.json
 	sh ci/certify.sh $(BUILD) ci/certificate.json
 
 prove: ## Gappa bounds the filters' constants; kernels are ref's, for every input
-	sh ci/prove.sh
+	sh ci/prove.sh --coq $(BUILD)
+	sh ci/eva/eva.sh $(BUILD)
 	sh ci/equal/prove.sh $(BUILD) $(if $(WRITE),--write)
 
 N ?= 60

@@ -3,18 +3,22 @@
 """Which device functions the twins of ci/equal/twins.def reach, and what keeps the
 others from a proof.
 
-usage: ci/equal/census.py    prints each function that no proof reaches
+usage: ci/equal/census.py    prints each function that no proof reaches, and why
 
-A function is reached if a row names it, or if a function that is reached calls it: its
-code is inlined there, and executed. Functions are known by their names; of a name
-that several files define, all are meant.
+A function is reached if a row that spec/proofs.md records as proved names it, or if a
+function that is reached calls it: its code is inlined there, and executed. A HOLE is
+not. A name means the function of the files that the caller's file includes; where
+these have several of this name, all. What a function calls keeps it from a proof, too.
+ci/equal/left.def says of the others why they are left.
 """
 import collections
+import functools
 import glob
 import os
 import re
 import sys
 
+import page
 import table
 
 HEAD = re.compile(r"^(?:template[^;{}]*?>\s*)?"
@@ -25,25 +29,43 @@ HEAD = re.compile(r"^(?:template[^;{}]*?>\s*)?"
 TOGETHER = re.compile(r"__sync|cluster_|grid_sync|__shfl|block_|__ballot|lane_|"
                       r"__shared__|_by_warp|all_sums|grid_sums|copies_|bulk_")
 FIXED = re.compile(r"<=?\s*(?:\d+|[A-Z_]{2,}\w*)\b|>=?\s*0|= \d+; *\w+ > 0")
-REASONS = ("threads work together", "an atomic", "a loop over data",
-           "no loop over data, no row yet")
+REASONS = ("threads work together", "an atomic", "a loop over data")
+NO_LOOP, LEFT = "no loop over data, left", "ci/equal/left.def"
+NO_REASON = "no row yet"
+
+Device = collections.namedtuple("Device", "path name heading body")
 
 
 def functions(folder="gpu"):
-    """Yields (file, name, heading, body) of the device functions."""
+    """The device functions."""
+    found = []
     for path in sorted(glob.glob(f"{folder}/*/*.cu*")):
         with open(path, encoding="utf-8") as file:
             text = re.sub(r"/\*.*?\*/", "", file.read(), flags=re.S)
-        for found in HEAD.finditer(text):
-            depth, at = 1, found.end()
+        for head in HEAD.finditer(text):
+            depth, at = 1, head.end()
             while depth and at < len(text):
                 depth += (text[at] == "{") - (text[at] == "}")
                 at += 1
-            yield path, found[2], found[1], text[found.end():at]
+            found.append(Device(path, head[2], head[1], text[head.end():at]))
+    return found
+
+
+@functools.cache
+def included(path):
+    """A file and the files that it includes."""
+    seen, new = set(), [path]
+    while new:
+        path = new.pop()
+        if path not in seen and os.path.exists(path):
+            seen.add(path)
+            with open(path, encoding="utf-8") as file:
+                new += re.findall(r'#include "([^"]+)"', file.read())
+    return seen
 
 
 def reason(heading, body):
-    """What keeps a function from a proof."""
+    """What in a function's own text keeps it from a proof; else None."""
     if TOGETHER.search(heading + body):
         return REASONS[0]
     if "atomic" in body:
@@ -51,41 +73,92 @@ def reason(heading, body):
     loops = re.findall(r"\b(?:for|while)\s*\(([^{};]*;?[^;]*;?[^)]*)\)", body)
     if any(not FIXED.search(loop) for loop in loops):
         return REASONS[2]
-    return REASONS[3]
+    return None
 
 
-def reached(found, rows):
-    """The names that the rows reach."""
-    calls = collections.defaultdict(set)
-    names = {name for _, name, _, _ in found}
-    for _, name, _, body in found:
-        calls[name] |= set(re.findall(r"\b(\w+)\s*(?:<[^;()]*>)?\(", body)) & names
-    new = {word for row in rows for word in re.findall(r"\w+", row.device)} & names
+class Calls:
+    """Who calls whom, by numbers of functions."""
+
+    def __init__(self, found):
+        self.found, self.named = found, collections.defaultdict(list)
+        for k, one in enumerate(found):
+            self.named[one.name].append(k)
+        self.of = [self.meant(one.path, one.body) - {k} for k, one in enumerate(found)]
+
+    def meant(self, path, text, but=()):
+        """The functions that a text in a file names as it calls or passes them."""
+        words = re.findall(r"\b(\w+)\s*(?:<[^;()]*>)?\(", text)
+        words += re.findall(r"<(\w+)[,>]", text)
+        files = included(path)
+        return {k for word in set(words) - set(but) for k in self.named.get(word, ())
+                if self.found[k].path in files}
+
+    def below(self, new, but=()):
+        """These functions and all that they reach."""
+        seen, new = set(), list(new)
+        while new:
+            k = new.pop()
+            if k not in seen and self.found[k].name not in but:
+                seen.add(k)
+                new += self.of[k]
+        return seen
+
+
+def reached(calls, rows, known):
+    """The functions that rows reach of which `known` says that they are proved."""
     seen = set()
-    while new:
-        seen |= new
-        new = set().union(*(calls[name] for name in new)) - seen
+    for row in rows:
+        if any(known.get((row.name, bits), "open").startswith("open")
+               for bits in page.BITS):
+            continue
+        text, holes = row.device, row.group.holes
+        if row.kernel:
+            text = re.match(r"\w+", text)[0] + "()"
+        seen |= calls.below(calls.meant(row.group.device, text, holes), holes)
     return seen
 
 
-def count(rows):
-    """Room to {reason or "reached": [(file, name)]}."""
-    found, rooms = list(functions()), {}
-    seen = reached(found, rows)
-    for path, name, heading, body in found:
-        kind = "reached" if name in seen else reason(heading, body)
-        room = rooms.setdefault(path.split("/")[1], collections.defaultdict(list))
-        room[kind].append((path, name))
-    return rooms
+def left():
+    """[(file or folder, names or nothing, reason)] of left.def, names first."""
+    with open(LEFT, encoding="utf-8") as file:
+        text = re.sub(r"/\*.*?\*/", "", file.read(), flags=re.S)
+    rows = []
+    for inner in re.findall(r"LEFT\((.*?)\)\n", text, re.S):
+        where, why, *names = (" ".join(part.split()) for part in inner.split(","))
+        rows.append((where, names[0].split() if names else (), why))
+    return sorted(rows, key=lambda row: (not row[1], -len(row[0])))
+
+
+def why_left(rows, one):
+    """What left.def says of a function."""
+    return next((why for where, names, why in rows if one.path.startswith(where)
+                 and (not names or one.name in names)), NO_REASON)
+
+
+def count(twins, known):
+    """[(function, "reached", a reason of REASONS or NO_LOOP, why it is left)]. known:
+    as page.recorded."""
+    found = functions()
+    calls, rows = Calls(found), left()
+    seen = reached(calls, twins, known)
+    own = [reason(one.heading, one.body) for one in found]
+    result = []
+    for k, one in enumerate(found):
+        if k in seen:
+            result.append((one, "reached", ""))
+            continue
+        of = {own[j] for j in calls.below([k])}
+        kind = next((r for r in REASONS if r in of), NO_LOOP)
+        result.append((one, kind, why_left(rows, one) if kind == NO_LOOP else ""))
+    return result
 
 
 def main():
     """Prints what no row reaches."""
     rows = [t for g in table.read("ci/equal/twins.def") for t in g.twins]
-    for room, kinds in count(rows).items():
-        for kind in REASONS:
-            for path, name in kinds[kind]:
-                print(f"{room}: {path}: {name}: {kind}")
+    for one, kind, why in count(rows, page.recorded()):
+        if kind != "reached":
+            print(f"{one.path}: {one.name}: {kind}{': ' if why else ''}{why}")
 
 
 if __name__ == "__main__":

@@ -3,14 +3,16 @@
 """Plants faults in copies of the device's code, which the proofs must find without
 running it on a device: a proof that passes everything is worthless.
 
-usage: ci/equal/faults.py    ends with `N passed, N failed`
+usage: ci/equal/faults.py    ends with `N passed, N failed, N skipped`
 
 Each fault is in a function of its own, and the twin that has this function must
 differ; faults of one copy do not reach each other's twins. The last copy is compiled
-by other flags. The lint must find what it shows.
+by other flags. The lint must find what it shows. PROVERS has faults for the other
+proofs, each of which must fail by name.
 """
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -63,14 +65,57 @@ COPIES = (
 )
 
 
+VENV = os.path.join(ROOT, "build/equal/venv/bin/python")
+# Of each prover: (command, what it needs, faults as above, with the line that fails).
+PROVERS = (
+    ((VENV, "ci/equal/carries.py", "build"), VENV, (
+        ("a lost carry of a column", "gpu/narrow/big.cuh", "over += sum < p;", "",
+         "gpu: a column's step"),
+        ("a lost carry of a row", "ref/narrow/big.c", "carry += x * b.d[j] + d[i + j];",
+         "carry = x * b.d[j] + d[i + j];", "ref: a row's step"),
+        ("a lost borrow", "ref/narrow/big.c", "borrow = a.d[i] < take;", "borrow = 0;",
+         "ref: a difference's step"),
+    )),
+    ((sys.executable, "ci/equal/bits.py"), "gappa", (
+        ("an arena that is too small", "gpu/narrow/narrow.cu", "LONG_ROOM = 65536",
+         "LONG_ROOM = 16384", "a pair, words of LONG_ROOM"),
+        ("a word too few", "ref/narrow/predicates.c", "WORDS = 36", "WORDS = 35",
+         "a difference of orient3, words of the reference"),
+    )),
+    ((sys.executable, "ci/equal/bounds.py", "build"), "gappa", (
+        ("a bound that is not used", "gpu/narrow/predicates.cuh",
+         "ERROR_ORIENT3 * sum + UNDERFLOW", "UNDERFLOW", "orient3, device"),
+        ("a bound times 0.99", "ref/narrow/predicates.c", "ERROR_ORIENT2 0x1p-50",
+         "ERROR_ORIENT2 (0.99 * 0x1p-50)", "orient2, reference"),
+        ("a bound of a quarter", "gpu/narrow/facing.cuh", "ERROR_OPENED 0x1p-48",
+         "ERROR_OPENED 0x1p-50", "opened, device"),
+        ("a sum without a magnitude", "ref/narrow/tritri.c",
+         "ERROR_BESIDE * dot_size(t->size, d)", "ERROR_BESIDE * dot_size(t->n, d)",
+         "beside_plane, reference"),
+        ("a margin that is not used", "ref/broad/cones.c", "CONES_ROOM * REAL_UNIT", "0",
+         "spread, reference: uses CONES_ROOM"),
+        ("nor on the device", "gpu/broad/cones.cuh", "CONES_ROOM * REAL_UNIT", "0",
+         "spread, device: uses CONES_ROOM"),
+    )),
+    (("sh", "ci/eva/eva.sh", "build"), "frama-c", (
+        ("an index too far", "ref/narrow/filter.c",
+         "for (int k = 0; k < 3; k++)\n        c[k] = a[k] - b[k];",
+         "for (int k = 0; k <= 3; k++)\n        c[k] = a[k] - b[k];", "filter: 1 alarm"),
+        ("a variable without a value", "ref/narrow/tritri.c",
+         "unsigned above = 0, below = 0;", "unsigned above, below = 0;", "tritri: 1 alarm"),
+    )),
+)
+
+
 def plant(faults):
     """Makes a copy of the tree here with these faults; returns those that it could not
     plant."""
+    own = {path.split("/")[0] for _, path, *_ in faults} | {"Makefile"}
     for name in os.listdir(ROOT):
-        if name not in ("gpu", "Makefile", "build", ".git"):
+        if name not in (*own, "build", ".git"):
             os.symlink(os.path.join(ROOT, name), name)
-    subprocess.run(["cp", "-r", os.path.join(ROOT, "gpu"),
-                    os.path.join(ROOT, "Makefile"), "."], check=True)
+    subprocess.run(["cp", "-r", *(os.path.join(ROOT, name) for name in own), "."],
+                   check=True)
     missing = []
     for what, path, text, instead, _ in faults:
         with open(path, encoding="utf-8") as file:
@@ -106,17 +151,43 @@ def found(faults):
                and re.search("^" + re.escape(line), said, re.M), said)
 
 
+def refused(command, faults):
+    """Plants faults of a prover; yields the same."""
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        missing, said = plant(faults), run(*command)
+        os.chdir(ROOT)
+    for what, path, _, _, name in faults:
+        yield (what, f"{path}: {name}", what not in missing and re.search(
+            "^FAILED " + re.escape(name) + ":?(?: |$)", said, re.M), said)
+
+
+def all_faults():
+    """What was found of all faults; None where a tool is missing."""
+    for faults in COPIES:
+        yield from found(faults)
+    for command, tool, faults in PROVERS:
+        if shutil.which(tool):
+            yield from refused(command, faults)
+        else:
+            print(f"skipped: faults of {command[1]}: there is no {tool}")
+            yield from (None for _ in faults)
+
+
 def main():
     """Plants all faults."""
-    passed = failed = 0
-    for faults in COPIES:
-        for what, where, good, said in found(faults):
-            passed += bool(good)
-            failed += not good
-            print(f"{'ok' if good else 'FAILED'} planted in {where}: {what}")
-            if not good:
-                print("    " + said.replace("\n", "\n    "))
-    print(f"{passed} passed, {failed} failed")
+    passed = failed = skipped = 0
+    for fault in all_faults():
+        if fault is None:
+            skipped += 1
+            continue
+        what, where, good, said = fault
+        passed += bool(good)
+        failed += not good
+        print(f"{'ok' if good else 'FAILED'} planted in {where}: {what}")
+        if not good:
+            print("    " + said.replace("\n", "\n    "))
+    print(f"{passed} passed, {failed} failed, {skipped} skipped")
     return 1 if failed else 0
 
 

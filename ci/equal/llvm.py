@@ -500,6 +500,12 @@ class Function(Machine):
                 at = words.add(args[0], words.const(64, k))
                 self.memory.store(state, at, args[1])
             return None
+        if name in ("memcmp", "bcmp"): # only whether all is equal
+            size = args[2].args[0]
+            same = both(*(words.compare("eq", *(self.memory.load(
+                state, words.add(arg, words.const(64, k)), 4) for arg in args[:2]))
+                          for k in range(0, size, 4)))
+            return words.extend(negate(same), 32)
         short = re.sub(r"^llvm\.(\w+)\..*", r"\1", name)
         if short in CALLS:
             return CALLS[short](args[0])

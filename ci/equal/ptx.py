@@ -72,10 +72,12 @@ def in_register(name, a, kind):
 class Function(Machine):
     """A function or kernel. params: what its parameters hold, in order: a value; a
     dictionary of values by byte; or the Base of memory that holds a struct. hooks:
-    part of a name to a function that stands for the callee."""
+    part of a name to a function that stands for the callee. threads: what %tid.x and
+    others are, where they are not any number."""
 
-    def __init__(self, file, name, memory, params, hooks=None):
+    def __init__(self, file, name, memory, params, hooks=None, threads=None):
         super().__init__(memory)
+        self.threads = threads or {}
         if name not in file.functions:
             raise Unsupported("no function " + name)
         found = file.functions[name]
@@ -145,7 +147,7 @@ class Function(Machine):
         if isinstance(self.params.get(text), Base):
             return self.params[text].at
         if re.match(r"%(tid|ctaid|ntid|nctaid|laneid)", text):
-            return leaf(text, integers(32))
+            return self.threads.get(text) or leaf(text, integers(32))
         if text.startswith("%"):
             return leaf("nothing in " + text, sort)
         raise Unsupported("operand " + text)
@@ -303,6 +305,15 @@ class Function(Machine):
             return words.mul(*a)
         if kind == "mad" and parts[0] == "lo":
             return words.add(words.mul(a[0], a[1]), a[2])
+        if kind == "mul" and parts[0] == "hi" and a[0].sort[1] < 64:
+            bits, wide = a[0].sort[1], words.extend_signed if last[0] == "s" else (
+                words.extend)
+            return words.cut(words.mul(*(wide(x, 2 * bits) for x in a)), bits, bits)
+        if kind == "prmt" and len(parts) == 1 and words.is_const(a[2]):
+            return words.permuted(words.join(a[1], a[0]), a[2].args[0])
+        if kind == "abs":
+            below = words.compare("slt", a[0], words.const(a[0].sort[1], 0))
+            return choose(below, WHOLE["neg"](a[0]), a[0])
         if kind in ("div", "rem"):
             return words.divide(last[0] + kind, *a)
         if kind in WHOLE and len(parts) == 1:
@@ -349,7 +360,7 @@ class Function(Machine):
             if part in name:
                 state.regs["param " + result] = {0: hook(self, state, held)}
                 return
-        callee = Function(self.file, name, self.memory, held, self.hooks)
+        callee = Function(self.file, name, self.memory, held, self.hooks, self.threads)
         caller, state.regs = state.regs, {}
         ended = callee.run("entry", state)
         if result:
@@ -357,6 +368,6 @@ class Function(Machine):
         state.memory, state.known, state.regs = ended.memory, ended.known, caller
 
 
-def execute(file, name, memory, params, state=None, hooks=None):
+def execute(file, name, memory, params, state=None, hooks=None, threads=None):
     """Executes a function; returns the state that it leaves."""
-    return Function(file, name, memory, params, hooks).go(state or State())
+    return Function(file, name, memory, params, hooks, threads).go(state or State())

@@ -61,7 +61,8 @@ def kernel_arguments(twin, module, memory, function):
             found = words.relation("ne", found, words.const(8, 0), False)
         held.append(floats.number(found, sort) if is_float(sort) else found)
     block, size, thread = (words.extend(leaf(name, integers(32)), 64) for name in ITEM)
-    held.append(words.add(words.mul(block, size), thread))
+    held.append(thread if twin.coordinates
+                else words.add(words.mul(block, size), thread))
     return [ptx.Base(base)], held
 
 
@@ -157,8 +158,19 @@ def hooks_of(twin, bits, item):
             found = TRUE if value == "true" else words.const(32, int(value))
             hooks[ref + end] = lambda *_, found=found: found
         if twin.each:
-            hooks[f"item of {re.match(r'[a-z_0-9]+', twin.ref)[0]}{end}"] = item
+            hooks[f"item of {re.search(r'([a-z_0-9]+)[(]', twin.ref)[1]}{end}"] = item
     return hooks
+
+
+def threads_of(twin):
+    """The threads that are executed: any, or the three of the item %tid.x."""
+    if not twin.coordinates:
+        return [{}]
+    block, _, thread = ITEM
+    item = leaf(thread, integers(32))
+    return [{block: words.const(32, 0),
+             thread: words.add(words.mul(item, words.const(32, 3)), words.const(32, c))}
+            for c in range(3)]
 
 
 def question(build, twin, bits):
@@ -188,7 +200,9 @@ def question(build, twin, bits):
     _, ref = llvm.execute(module, function, memory, args, start.copy(), hooks)
     hooks = {device: hole(ref_name, skipped)
              for device, (ref_name, skipped) in group.holes.items()}
-    device = ptx.execute(file, name, memory, params, start.copy(), hooks)
+    device = start.copy()
+    for threads in threads_of(twin):
+        device = ptx.execute(file, name, memory, params, device, hooks, threads)
     private = [arg for (_, n), arg in zip(twin.params, args)
                if twin.kernel and n in ERRORS]
     return cells(memory, ref, device, private), given

@@ -2,6 +2,8 @@
 """What rewriting leaves, asked of Bitwuzla. + · ÷ √, and products and quotients of
 integers of which none is constant, are uninterpreted functions; comparisons, signs,
 conversions and bits are interpreted."""
+import time
+
 import floats
 import words
 from term import WIDTH, Unsupported, float_of, is_float, kids, order
@@ -60,13 +62,17 @@ class Script:
 
     def __init__(self, roots):
         self.names, self.functions, self.lines = {}, {}, []
-        self.positive, self.users = {}, {}
+        self.positive, self.users, self.products = {}, {}, {}
         terms = order(roots)
         for term in terms:
             for k in kids(term):
                 self.users.setdefault(k.id, set()).add(term.id)
         for term in terms:
             self.add(term)
+        for (*pair, bits), name in self.products.items():
+            wide = self.products.get((*pair, 2 * bits))
+            if wide:
+                self.lines.append(f"(assert (= {name} ((_ extract {bits - 1} 0) {wide})))")
 
     def tied(self, term):
         """Whether the bits of an input are used otherwise than as this number."""
@@ -135,9 +141,21 @@ class Script:
             return f"((_ extract {low + sort[1] - 1} {low}) {inner[0]})"
         return f"({INTEGER.get(op) or NUMBER[op]} {' '.join(inner)})"
 
+    def bound(self, inner, bits, name):
+        """A product of integers that were widened is at most that of the largest."""
+        most = 1
+        for term in inner:
+            most *= (1 << term.sort[1]) - 1
+        if most < 1 << bits:
+            self.lines.append(f"(assert (bvule {name} (_ bv{most} {bits})))")
+
     def laws(self, term, name):
         """What is known of a sum, a product, a quotient or a root."""
         op, sort = term.op, term.sort
+        if op == "times":
+            inner = [k.args[0] if k.op == "extend" else k for k in term.args]
+            self.products[(*sorted(k.id for k in inner), sort[1])] = name
+            self.bound(inner, sort[1], name)
         if not is_float(sort) or op not in ("+", "*", "/", "sqrt"):
             return
         zero = constant(floats.const(sort, 0.0))
@@ -149,14 +167,34 @@ class Script:
             self.lines.append(f"(assert (not (fp.lt {name} {zero})))")
 
 
+class Clock:
+    """Stops the solver after so many seconds of the processor: a busy machine proves
+    as much. What interrupts it, as prove.py's clock does, is raised after it has
+    stopped."""
+
+    def __init__(self, seconds):
+        self.until, self.why = time.process_time() + seconds, None
+
+    def __call__(self):
+        try:
+            return time.process_time() > self.until
+        except Unsupported as why:
+            self.why = why
+            return True
+
+
 def ask(text, seconds):
     """sat, unsat or unknown."""
     options = bitwuzla.Options()
     options.set(bitwuzla.Option.PRODUCE_MODELS, False)
-    options.set(bitwuzla.Option.TIME_LIMIT_PER, int(seconds * 1000))
     parser = bitwuzla.Parser(bitwuzla.TermManager(), options)
     parser.parse(text, True, False)
-    return str(parser.bitwuzla().check_sat()).rsplit(".", 1)[-1].lower()
+    solver, clock = parser.bitwuzla(), Clock(seconds)
+    solver.configure_terminator(clock)
+    result = str(solver.check_sat()).rsplit(".", 1)[-1].lower()
+    if clock.why:
+        raise clock.why
+    return result
 
 
 def are_equal(a, b, given, seconds=10):

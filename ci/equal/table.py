@@ -4,14 +4,15 @@ import dataclasses
 import os
 import re
 
-ROW = re.compile(r"\s*(FILES|HOLE|VALID|TWIN|KERNEL|EACH)(?=\()")
+ROW = re.compile(r"\s*(FILES|HOLE|VALID|TWIN|KERNEL|EACH3|EACH)(?=\()")
 HEAD = "/* Written by ci/equal/table.py from ci/equal/twins.def. */\n"
 
 
 @dataclasses.dataclass
 class Twin:
     """A row of the table. device: a statement, or of a KERNEL row its name; params:
-    (type, name); given: the precondition, or nothing; group: the files it is in."""
+    (type, name); given: the precondition, or nothing; coordinates: a thread has one of
+    an item's three; group: the files it is in."""
 
     stage: str
     name: str
@@ -21,6 +22,7 @@ class Twin:
     given: str
     kernel: bool
     each: bool
+    coordinates: bool
     group: "Group" = None
 
 
@@ -88,7 +90,7 @@ def twin_of(kind, parts, group):
         device, name = name.split(":")[0], re.sub(r"[:<]", "_", name).rstrip(">")
     ref, *given = parts
     return Twin(stage, name, params_of(params), device, ref, given[0] if given else "",
-                kind != "TWIN", kind == "EACH", group)
+                kind != "TWIN", kind[:4] == "EACH", kind == "EACH3", group)
 
 
 def read(path):

@@ -94,8 +94,21 @@ def divide(op, a, b):
         x, y = (value(a), value(b)) if with_sign else (a.args[0], b.args[0])
         quotient = abs(x) // abs(y) * (1 if (x < 0) == (y < 0) else -1)
         return const(a.sort[1], quotient if op[1:] == "div" else x - quotient * y)
+    if is_const(b) and b.args[0] and b.args[0] & (b.args[0] - 1) == 0 and op[0] == "s":
+        return by_power(op, a, b.args[0].bit_length() - 1)
     found = of_constants(lambda x, y: divide(op, x, y), a, b)
     return found or make(op, (a, b), a.sort)
+
+
+def by_power(op, a, n):
+    """The quotient or the remainder of a and 2^n, by shifts."""
+    width, power = a.sort[1], const(a.sort[1], 1 << n)
+    if n == 0:
+        return a if op[1:] == "div" else const(width, 0)
+    sign = a if n == 1 else shift_signed(a, const(width, width - 1))
+    moved = add(a, extend(cut(sign, width - n, n), width))
+    quotient = shift_signed(moved, const(width, n))
+    return quotient if op[1:] == "div" else sub(a, mul(quotient, power))
 
 
 def shift_left(a, b):
@@ -169,6 +182,10 @@ def masked(a, mask, width):
         return floats.bits(floats.size(a.args[0]))
     if mask == (1 << ones) - 1:
         return extend(cut(a, 0, ones), width)
+    low = (mask & -mask).bit_length() - 1
+    if mask == (1 << width) - (1 << low):
+        power = const(width, low)
+        return shift_left(shift_signed(a, power), power)
     return None
 
 
@@ -224,6 +241,17 @@ def difference(a, b):
     return of_constants(difference, a, b) or in_order("xor_bits", a, b)
 
 
+def is_thread(a):
+    """Whether an integer is a thread's number, which is below 2^31."""
+    return a.op == "leaf" and str(a.args[0]).startswith("%")
+
+
+def is_item(a):
+    """Whether a sum is a thread's item, which is below 2^31 as well."""
+    of, constant = parts(a)
+    return all(map(is_thread, of)) and max(of.values()) < 8 and constant < 8
+
+
 def extend(a, width):
     """a with zeros in front; of a condition 0 or 1."""
     if a.sort == "b":
@@ -236,8 +264,10 @@ def extend(a, width):
         return push(lambda x: extend(x, width), ("extend", width), a)
     if a.op == "extend":
         return extend(a.args[0], width)
-    if a.op == "leaf" and str(a.args[0]).startswith("%"): # a thread's number: < 2^31
+    if is_thread(a) or (a.op == "sum" and is_item(a)):
         return extend_signed(a, width)
+    if a.op == "cut" and is_thread(a.args[0]) and a.args[1] == 0 and a.sort[1] > 30:
+        return extend_signed(a.args[0], width)
     return make("extend", (a,), integers(width))
 
 
@@ -291,8 +321,10 @@ def cut(a, low, width):
             return extend_signed(inner, width)
     if a.op == "cut":
         return cut(a.args[0], low + a.args[1], width)
-    if a.op == "sum" and low == 0:
-        return cut_sum(a, width)
+    if a.op == "sum":
+        found = high_of_sum(a, low, width) if low else cut_sum(a, width)
+        if found:
+            return found
     if a.op == "times" and low == 0:
         return mul(*(cut(x, 0, width) for x in a.args))
     if a.op == "bits" and a.args[0].op == "choice":
@@ -313,6 +345,33 @@ def cut_sum(a, width):
             low[inner_term] = low.get(inner_term, 0) + inner_factor * factor
         constant += more * factor
     return total(width, low, constant)
+
+
+def high_of_sum(a, low, width):
+    """The bits from `low` on of a sum of threads' numbers, which are below 2^31, where
+    its parts below 2^low do not carry; else None."""
+    of, constant = parts(a)
+    if not all(is_thread(term.args[0] if term.op.startswith("extend") else term)
+               for term in of):
+        return None
+    rest = sum((factor & ((1 << low) - 1)) << 31 for factor in of.values())
+    if rest + (constant & ((1 << low) - 1)) >= 1 << low:
+        return None
+    wide = a.sort[1]
+    return cut(total(wide, {term: factor >> low for term, factor in of.items()},
+                     constant >> low), 0, width)
+
+
+def permuted(a, selector):
+    """Four bytes of a, one by each of the selector's four digits."""
+    result = None
+    for k in range(4):
+        digit = selector >> 4 * k & 15
+        piece = cut(a, 8 * (digit & 7), 8)
+        if digit & 8:
+            piece = cut(extend_signed(cut(piece, 7, 1), 8), 0, 8)
+        result = piece if result is None else join(piece, result)
+    return result
 
 
 def in_parts(a, b):

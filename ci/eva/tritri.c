@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Two triangles; the exact predicates are any sign. */
+#include "ref/narrow/tritri.h"
+/*@ assigns \result \from a[0..2], b[0..2], c[0..2], d[0..2];
+  @ ensures -1 <= \result <= 1; */
+int ref_orient3(const point a, const point b, const point c, const point d);
+/*@ assigns \result \from a[0..2], b[0..2], c[0..2], u, v;
+  @ ensures -1 <= \result <= 1; */
+int ref_orient2(const point a, const point b, const point c, int u, int v);
+#include "ref/narrow/tritri.c"
+int main(void)
+{
+    struct face t, s;
+    for (int j = 0; j < 3; j++) {
+        t.v[j] = Frama_C_interval(0, 0x7fffffff);
+        s.v[j] = Frama_C_interval(0, 0x7fffffff);
+        for (int k = 0; k < 3; k++) {
+            t.p[j][k] = Frama_C_double_interval(-0x1p60, 0x1p60);
+            s.p[j][k] = Frama_C_double_interval(-0x1p60, 0x1p60);
+        }
+    }
+    struct plane p = ref_plane(&t);
+    return ref_tritri(&t, &p, &s);
+}
