@@ -79,7 +79,23 @@ def mul(a, b):
         factor = b.args[0]
         return total(a.sort[1], {term: n * factor for term, n in of.items()},
                      constant * factor)
-    return in_order("times", a, b)
+    return distributed(a, b) or in_order("times", a, b)
+
+
+def distributed(a, b):
+    """The product of sums as the sum of products; None of two that are no sums."""
+    (of, plus), (more, other) = parts(a), parts(b)
+    if (a.op != "sum" and b.op != "sum") or len(of) * len(more) > 16:
+        return None
+    made = {}
+    for x, n in of.items():
+        for y, m in more.items():
+            product = in_order("times", x, y)
+            made[product] = made.get(product, 0) + n * m
+    for terms, factor in ((of, other), (more, plus)):
+        for term, n in terms.items():
+            made[term] = made.get(term, 0) + n * factor
+    return total(a.sort[1], made, plus * other)
 
 
 def in_order(op, a, b):
