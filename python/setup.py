@@ -63,7 +63,8 @@ class Build(build_ext):
         share.mkdir(parents=True, exist_ok=True)
         for script in ("data.sh", "data.py", "lion.sh"):
             shutil.copy2(ROOT / "ci" / script, share / script)
-        shutil.copytree(ROOT / "app/scenes", share / "scenes", dirs_exist_ok=True)
+        for folder in ("scenes", "patterns"):  # a scene names patterns beside it
+            shutil.copytree(ROOT / "app" / folder, share / folder, dirs_exist_ok=True)
 
 
 def urls() -> dict[str, str]:

@@ -21,12 +21,14 @@ OBJECTS = [
     ("A keyframe", "motion.c", "struct key,"),
     ("look", "look.c", "struct look,"),
     ("A cloth", "cloth.c", "CLOTH("),
+    ("panel", "panel.c", "struct panel_key,"),
     ("start", "cloth.c", "START("),
     ("A region of holes or cuts", "cloth.c", "struct region,"),
     ("A pin", "cloth.c", "struct pin,"),
     ("material", "cloth.c", "MATERIAL("),
     ("An obstacle", "obstacle.c", "O("),
-    ("frames of an obstacle", "obstacle.c", "struct series,"),
+    ("frames of an obstacle", "sequence.c", "struct sequence,"),
+    ("bend of a limb", "limb.c", "struct limb_key,"),
 ]
 KINDS = {
     "NUMBER": "number",
@@ -46,6 +48,7 @@ NESTED = {
     "read_stretch": "number, or an object of measured tensions",
     "read_limit": "number or 3 numbers",
     "read_motion_name": "a motion's name",
+    "read_times": "a list of numbers, ascending",
 }
 
 

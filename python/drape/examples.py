@@ -11,6 +11,7 @@ from .errors import Error, SceneError
 from .export.console import OK, USAGE, Parser, complain, say
 
 FOLDER = Path(__file__).with_name("share") / "drape/scenes"
+PATTERNS = FOLDER.with_name("patterns")
 
 
 def names() -> list[str]:
@@ -30,14 +31,19 @@ def path(name: str) -> Path:
 
 
 def copy(folder: Path) -> list[Path]:
-    """Copies the scenes, and the page of their keys, to a folder. Files of these
-    names that are there stay as they are, and are an error."""
+    """Copies the scenes, the page of their keys and the patterns that they name to a
+    folder. Files of these names that are there stay as they are, and are an error."""
     folder.mkdir(parents=True, exist_ok=True)
     files = [path(name) for name in names()] + [FOLDER / "README.md"]
-    for file in files:
+    for file in [*files, PATTERNS]:
         if (folder / file.name).exists():
             raise Error(f"{folder / file.name}: it is there already")
-    return [Path(shutil.copy(file, folder)) for file in files]
+    made = [folder / file.name for file in files]
+    for file, to in zip(files, made, strict=True):
+        text = file.read_text("utf-8").replace("../patterns/", "patterns/")
+        to.write_text(text, "utf-8")
+    shutil.copytree(PATTERNS, folder / PATTERNS.name)
+    return made
 
 
 def main(argv: Sequence[str]) -> int:

@@ -119,7 +119,8 @@ def test_example_scenes(tmp_path: Path) -> None:
     assert told.split() == names
     folder = tmp_path / "app/scenes"
     subprocess.run([*command, "--quiet", "examples", folder], check=True)
-    assert len(list(folder.iterdir())) == len(names) + 1
+    assert len(list(folder.iterdir())) == len(names) + 2  # README.md, patterns
+    drape.Scene.load(folder / "panels.json")
     run = ["run", "app/scenes/tiny.json", "--frames", "1", "--out", "run"]
     subprocess.run([*command, *run], cwd=tmp_path, check=True, capture_output=True)
     assert (tmp_path / "run/frames/cloth_0001.ply").exists()

@@ -179,7 +179,7 @@ def test_a_killed_sweep_goes_on(number: signal.Signals, tmp_path: Path) -> None:
     words = ["sweep", str(file), "--out", str(out), "--set", "dt=0.01,0.011,0.012"]
     command = [sys.executable, "-m", "drape", *words, "--workers", "1"]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
-        while not list(out.glob("results/*.json")):
+        while not list(out.glob("results/[!.]*.json")):
             assert process.poll() is None
             time.sleep(0.01)
         process.send_signal(number)
@@ -188,7 +188,7 @@ def test_a_killed_sweep_goes_on(number: signal.Signals, tmp_path: Path) -> None:
     killed = number == signal.SIGKILL
     assert process.returncode == (-9 if killed else 130)
     assert told == ("" if killed else "drape: sweep: interrupted\n")
-    done = len(list(out.glob("results/*.json")))
+    done = len(list(out.glob("results/[!.]*.json")))
     for file in out.glob("results/[!.]*"):  # SIGKILL may leave .ID.part.npz
         assert np.load(file) if file.suffix == ".npz" else json.loads(file.read_text())
     again = subprocess.run(command, capture_output=True, text=True)

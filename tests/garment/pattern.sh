@@ -51,7 +51,7 @@ z = [struct.unpack_from("<f" if step == 12 else "<d", body, step * k + step // 3
      for k in range(n)]
 assert all(abs(each - 0.18) < 1e-6 for each in z), (min(z), max(z))'
 panel 'cloth["start"] = {"at": [0, 1, 0]}'
-exits 'a panel starts flat where told' 0 run panel.json --out flat
+exits 'a panel starts flat where told' 0 run panel.json --out flat_panel
 panel 'panel["name"] = "sleeve"'
 refused 'a panel that is not there' 'has no panel sleeve' run panel.json
 panel 'del panel["name"]'
