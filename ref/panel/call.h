@@ -13,10 +13,12 @@
 #include "ref/panel/pull.h"
 #include "ref/panel/tension.h"
 
+/* NOLINTBEGIN(readability-inconsistent-declaration-parameter-name) */
 struct pull panel_pull_of(const struct panel *panel, const struct springs *f);
 struct joins panel_joins_of(const struct panel *panel, const struct blocks *b);
 struct tension panel_tension_of(const struct panel *panel,
                                 const struct energy *e);
+/* NOLINTEND(readability-inconsistent-declaration-parameter-name) */
 
 /* How many chunks the sum of a panel's energy has. */
 static inline int64_t panel_chunks(const struct panel *panel)

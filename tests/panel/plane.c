@@ -121,7 +121,6 @@ static const char *check_gradient(const struct cutting *c)
     vec *before = arena_take(&s.arena, ARENA_OTHER, s.c.count, sizeof *before);
     vec *after = arena_take(&s.arena, ARENA_OTHER, s.c.count, sizeof *after);
     EXPECT(before && after);
-    double stiff = c->cloth.material.stretch;
     memcpy(before, s.f, (size_t)s.c.count * sizeof *before);
     for (int64_t i = 0; i < s.c.panel->n_parts && REAL_BITS == 64; i += 3) {
         int32_t p = s.c.panel->part[i];
@@ -133,7 +132,7 @@ static const char *check_gradient(const struct cutting *c)
         *at = was - R(step);
         double slope = (e - model_energy(&s)) / (2 * step);
         EXPECT(fabs(slope + (double)(&before[p].x)[i % 3]) <=
-               1e-6 * stiff * c->cut.h);
+               1e-6 * c->cloth.material.stretch * c->cut.h);
         model_force(&s, NULL);
         *at = was;
         vec moved = {0, 0, 0};
@@ -147,7 +146,8 @@ static const char *check_gradient(const struct cutting *c)
                 const sym *b = s.block + o * s.c.count + (sign > 0 ? p : q);
                 vec is = vec_scale(R(0.5 / step), vec_sub(after[q], s.f[q]));
                 vec off = vec_sub(is, sym_apply(*b, moved));
-                EXPECT((double)vec_length(off) <= 1e-5 * stiff);
+                EXPECT((double)vec_length(off) <=
+                       1e-5 * c->cloth.material.stretch);
             }
     }
     model_free(&s);

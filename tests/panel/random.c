@@ -39,7 +39,7 @@ void random_panel(struct bytes *b, drape_cloth *c, struct random_panel *s)
 {
     double side[2] = {c->width / (c->m - 1), c->height / (c->n - 1)};
     uint32_t each = 1 + pick(b, 12);
-    bool moved[RANDOM_SIDE * RANDOM_SIDE];
+    bool moved[RANDOM_SIDE * RANDOM_SIDE] = {false};
     s->panel.rest = (const double(*)[2])s->rest;
     s->panel.cell = s->cell;
     c->panel = &s->panel;
