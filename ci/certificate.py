@@ -15,7 +15,8 @@ the sources that the linker and the compiler needed for ref_X and gpu_X
 cases do. A scene's row depends on all code of spec/, ref/ and gpu/, on the flags,
 on its line of ci/scenes.certified, on its file and on the patterns that it names.
 Where that digest, the device, the toolkit and the driver are still the same, a new
-certificate keeps the row; `run` says which run of ci/certify.sh the row is from.
+certificate keeps the row; `run` says which run of ci/certify.sh the row is from. A run
+that was cut short has a `remark`, and its rows are not kept.
 """
 import functools
 import glob
@@ -227,7 +228,8 @@ def kept(old, run, now):
     for kind in KINDS:
         for row in old.get(kind + "s", []):
             at = old["runs"][row["run"]]
-            if (all(at[name] == run[name] for name in MACHINE) and
+            if ("remark" not in at and
+                    all(at[name] == run[name] for name in MACHINE) and
                     name_of(kind, row) in wanted()[kind] and fine(kind, row) and
                     row["code"] == now.get(key(kind, row))):
                 rows[kind].append(dict(row, run=at))
