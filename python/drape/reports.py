@@ -65,7 +65,7 @@ class Outcome(enum.IntFlag):
             this outcome until no intersecting pair is left
         DIVERGED: energy appeared from nothing, or a value was not finite. The
             state and the time are those before the step (cloth/dynamics.md §3)
-        ASLEEP: all cloths are asleep and nothing is led: the step was skipped
+        ASLEEP: all cloths are asleep and no body moves: the step was skipped
         PASSED: cloth went through something during the step, which the response
             could not prevent; at the end of the step nothing intersects
     """
