@@ -243,3 +243,75 @@ void garment_place(const struct pattern_panel *panel, const double x[2],
     for (int i = 0; i < 3; i++)
         out[i] += panel->at[i];
 }
+
+/* The place in the loop of an edge by its number. */
+static int find_place(const struct pattern_panel *panel, int edge)
+{
+    int place = 0;
+    while (panel->loop[place].edge != edge)
+        place++;
+    return place;
+}
+
+/* Whether the file goes round a panel clockwise, as its edge 0 does. */
+static bool is_clockwise(const struct pattern_panel *panel)
+{
+    return panel->loop[find_place(panel, 0)].back;
+}
+
+int garment_seam(const struct garment *garment,
+                 const struct pattern_stitch *stitch, struct cut_seam *seam)
+{
+    struct cut_side side[2];
+    *seam = (struct cut_seam){0};
+    for (int k = 0; k < 2; k++) {
+        const struct garment_panel *p = &garment->panel[stitch->side[k].panel];
+        int32_t end[2];
+        int place = find_place(p->panel, stitch->side[k].edge);
+        if (!garment_ends(p, place, end))
+            return APP_OK;
+        side[k] = (struct cut_side){&p->cut, &p->outline, place, false};
+    }
+    /* Round their panels as the file goes, seen from the right side, one edge
+     * begins where the other ends. */
+    bool same = is_clockwise(garment->panel[stitch->side[0].panel].panel) ==
+                is_clockwise(garment->panel[stitch->side[1].panel].panel);
+    side[1].back = same != stitch->turned;
+    return cut_seam_make(seam, side) ? APP_OK
+                                     : complain(APP_FAILED, "out of memory");
+}
+
+bool garment_is_dart(const struct pattern *pattern,
+                     const struct pattern_stitch *stitch)
+{
+    const struct pattern_side *a = &stitch->side[0], *b = &stitch->side[1];
+    const struct pattern_panel *panel = &pattern->panel[a->panel];
+    if (a->panel != b->panel)
+        return false;
+    const int *p = panel->edge[a->edge].end, *q = panel->edge[b->edge].end;
+    return p[0] == q[0] || p[0] == q[1] || p[1] == q[0] || p[1] == q[1];
+}
+
+double garment_gap(const struct garment *garment,
+                   const struct pattern_stitch *stitch,
+                   const struct cut_seam *seam)
+{
+    double most = 0;
+    const struct garment_panel *p =
+        &garment->panel[stitch->side[seam->fine].panel];
+    const struct garment_panel *q =
+        &garment->panel[stitch->side[!seam->fine].panel];
+    for (int k = 0; k < seam->n; k++) {
+        const struct cut_point *point = &seam->point[k];
+        double x[3], a[3], b[3], sum = 0;
+        garment_place(p->panel, p->cut.x[point->particle], x);
+        garment_place(q->panel, q->cut.x[point->onto[0]], a);
+        garment_place(q->panel, q->cut.x[point->onto[1]], b);
+        for (int i = 0; i < 3; i++) {
+            double gap = x[i] - a[i] - point->part * (b[i] - a[i]);
+            sum += gap * gap;
+        }
+        most = fmax(most, sqrt(sum));
+    }
+    return most;
+}

@@ -35,6 +35,18 @@ void garment_count(const struct garment_panel *panel, int *count);
 /* Lengths of a stitch's sides by the pattern, m. */
 void garment_lengths(const struct pattern *pattern,
                      const struct pattern_stitch *stitch, double length[2]);
+/* Finds the points of a stitch; `seam` has none where an edge is too short for
+ * cells. Returns app_exit, and cut_seam_free gives back what it holds. */
+int garment_seam(const struct garment *garment,
+                 const struct pattern_stitch *stitch, struct cut_seam *seam);
+/* Whether a stitch closes a dart: its edges are of one panel and meet. */
+bool garment_is_dart(const struct pattern *pattern,
+                     const struct pattern_stitch *stitch);
+/* The greatest distance of two places that are sewn together, where the pattern
+ * places them, m. */
+double garment_gap(const struct garment *garment,
+                   const struct pattern_stitch *stitch,
+                   const struct cut_seam *seam);
 /* Where the pattern places a point of a panel, m. */
 void garment_place(const struct pattern_panel *panel, const double x[2],
                    double out[3]);
