@@ -265,6 +265,19 @@ typedef struct drape_obstacle {
     const double (*frame)[3]; /* [frames][n_vertices] m */
 } drape_obstacle;
 
+/* A seam: particles of a cloth that are held to places on a cloth's edges.
+ * seam/seam.md */
+typedef struct drape_seam {
+    int cloth[2]; /* of the particles, and of what they are held to; the two may
+                     be one */
+    int64_t n; /* points, at least 1, from one end of the seam to the other */
+    const int32_t *particle;  /* [n] of cloth[0], i + m·j, none twice */
+    const int32_t (*onto)[2]; /* [n] two particles of cloth[1], which may be
+                                 equal; neither is the point's own particle */
+    const double *part; /* [n] 0 … 1: the place is (1 - part) of the first and
+                           part of the second */
+} drape_seam;
+
 /* Air that moves with one velocity everywhere. cloth/wind.md */
 typedef struct drape_wind {
     double velocity[3]; /* m/s */
@@ -352,6 +365,9 @@ typedef struct drape_def {
                                         obstacles */
     int n_motions;                   /* 0 … 2^20 */
     /* All bodies together have fewer than 2^28 vertices and triangles each. */
+    const drape_seam *seams; /* [n_seams]; they need an implicit integrator and
+                                DRAPE_SOLVE */
+    int n_seams; /* 0 … 2^20, with fewer than 2^28 points in all */
 
     drape_allocator allocator;        /* zeros: malloc and free */
     drape_allocator device_allocator; /* zeros: cudaMalloc and cudaFree */
@@ -425,6 +441,9 @@ typedef struct drape_step_report {
     int64_t intersecting; /* intersecting pairs of triangles at the end of the
                              step, as drape_audit counts them; not 0 only with
                              DRAPE_TRAPPED */
+    int64_t sewn; /* pairs that intersect beside a seam, which are not in
+                     `intersecting` (seam/seam.md §5), when pairs were last
+                     counted: in drape_create, or after a step that had to */
     double kinetic, elastic, potential; /* J, of all cloths, at the end of the
                                            step; potential: of gravity, 0 at the
                                            origin */
@@ -664,6 +683,24 @@ int drape_set_obstacle_device(drape_world *world, int obstacle, const void *x);
 int drape_set_pose(drape_world *world, int obstacle, const double position[3],
                    const double rotation[4], const double pivot[3]);
 
+/* Sets the targets of a seam, 0 … n_seams - 1: at the end of the next step and
+ * from then on each particle minus its place is gap[k], m, [the seam's points];
+ * gap NULL: 0. Within the step a target goes there in a straight line. At first
+ * the target of each point is the gap that it starts with. DRAPE_OK;
+ * DRAPE_EARG: world is NULL, or there is no such seam; DRAPE_EDATA. */
+int drape_seam_target(drape_world *world, int seam, const double (*gap)[3]);
+/* Copies what a seam is like now: gap, m, each particle minus its place, and
+ * pull, N, the force that the seam put on each particle at the end of the last
+ * step; [the seam's points], and either may be NULL. DRAPE_OK; DRAPE_EARG:
+ * world is NULL, or there is no such seam; DRAPE_EDEVICE. */
+int drape_seam_state(const drape_world *world, int seam, double (*gap)[3],
+                     double (*pull)[3]);
+/* Whether contact and the count of intersecting pairs pass over two triangles
+ * of the scene, as they are sewn together (seam/seam.md §5): 1 or 0;
+ * DRAPE_EARG: world is NULL, or there is no such triangle. So the pairs that
+ * drape_audit finds can be divided. */
+int drape_are_sewn(const drape_world *world, int64_t a, int64_t b);
+
 /* Add a body to a world at its present time, with all the definition's rules
  * and ranges: the last of the cloths, or of the obstacles. Vertices and
  * triangles of later bodies, and the numbers of later bodies, move up behind
@@ -677,7 +714,7 @@ int drape_set_pose(drape_world *world, int obstacle, const double position[3],
  * new body intersects itself or another body, unless the definition allows an
  * intersecting start. `error`, which may be NULL, says what was wrong, by the
  * numbers that the bodies would have. Panels do not come, and a world that has
- * one keeps its bodies yet: DRAPE_EARG. */
+ * one, or a seam, keeps its bodies yet: DRAPE_EARG. */
 int drape_add_cloth(drape_world *world, const drape_cloth *cloth,
                     drape_error *error);
 int drape_add_obstacle(drape_world *world, const drape_obstacle *obstacle,

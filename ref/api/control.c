@@ -227,3 +227,29 @@ int drape_set_pose(drape_world *world, int obstacle, const double position[3],
                                            .bytes = sizeof p});
     return status;
 }
+
+/* There are no seams yet: drape_create refuses them. */
+
+int drape_seam_target(drape_world *world, int seam, const double (*gap)[3])
+{
+    (void)world;
+    (void)seam;
+    (void)gap;
+    return DRAPE_EARG;
+}
+
+int drape_seam_state(const drape_world *world, int seam, double (*gap)[3],
+                     double (*pull)[3])
+{
+    (void)world;
+    (void)seam;
+    (void)gap;
+    (void)pull;
+    return DRAPE_EARG;
+}
+
+int drape_are_sewn(const drape_world *world, int64_t a, int64_t b)
+{
+    int64_t n = world ? drape_triangles(world) : 0;
+    return a >= 0 && a < n && b >= 0 && b < n ? 0 : DRAPE_EARG;
+}

@@ -323,6 +323,51 @@ static void check_obstacle(struct check *c, const drape_obstacle *o,
     }
 }
 
+/* Checks a point of a seam between two cloths of these numbers of particles. */
+static void check_point(struct check *c, const drape_seam *s, int64_t k,
+                        const int64_t count[2])
+{
+    int32_t p = s->particle[k], a = s->onto[k][0], b = s->onto[k][1];
+    double part = s->part[k];
+    if (p < 0 || p >= count[0])
+        fail_check(c, DRAPE_EARG,
+                   "point %lld has particle %d, expected 0 to %lld",
+                   (long long)k, (int)p, (long long)count[0] - 1);
+    for (int j = 0; j < 2; j++)
+        if (s->onto[k][j] < 0 || s->onto[k][j] >= count[1])
+            fail_check(c, DRAPE_EARG,
+                       "point %lld is onto particle %d, expected 0 to %lld",
+                       (long long)k, (int)s->onto[k][j],
+                       (long long)count[1] - 1);
+    if (!(part >= 0 && part <= 1))
+        fail_check(c, fault_of(part), "point %lld has part %g, expected 0 to 1",
+                   (long long)k, part);
+    if (s->cloth[0] == s->cloth[1] && (p == a || p == b))
+        fail_check(c, DRAPE_EARG, "point %lld holds particle %d to itself",
+                   (long long)k, (int)p);
+}
+
+static void check_seam(struct check *c, const drape_def *def,
+                       const drape_seam *s)
+{
+    int64_t count[2];
+    for (int j = 0; j < 2; j++) {
+        check_integer(c, j ? "cloth[1]" : "cloth[0]", s->cloth[j], 0,
+                      def->n_cloths - 1);
+        if (c->status != DRAPE_OK)
+            return;
+        const drape_cloth *cloth = &def->cloths[s->cloth[j]];
+        count[j] = (int64_t)cloth->m * cloth->n;
+    }
+    check_integer(c, "n", s->n, 1, count[0]);
+    if (!check_array(c, "particle", s->n, s->particle) ||
+        !check_array(c, "onto", s->n, s->onto) ||
+        !check_array(c, "part", s->n, s->part))
+        return;
+    for (int64_t k = 0; k < s->n && c->status == DRAPE_OK; k++)
+        check_point(c, s, k, count);
+}
+
 static void check_wind(struct check *c, const drape_wind *wind)
 {
     check_vectors(c, "wind velocity", 1, &wind->velocity);
@@ -404,6 +449,16 @@ static void check_world(struct check *c, const drape_def *def)
     check_array(c, "cloths", def->n_cloths, def->cloths);
     check_array(c, "obstacles", def->n_obstacles, def->obstacles);
     check_array(c, "motions", def->n_motions, def->motions);
+    check_integer(c, "n_seams", def->n_seams, 0, 1 << 20);
+    check_array(c, "seams", def->n_seams, def->seams);
+    if (def->n_seams > 0 && def->integrator < DRAPE_BW)
+        fail_check(c, DRAPE_EARG, "seams need an implicit integrator");
+    if (def->n_seams > 0 && def->response != DRAPE_SOLVE)
+        fail_check(c, DRAPE_EARG,
+                   "seams need contacts that are solved with the cloths, not "
+                   "response impulses");
+    if (def->n_seams > 0)
+        fail_check(c, DRAPE_EARG, "seams are not simulated yet");
 }
 
 /* Checks all sizes, before any array is read, so that none of their products
@@ -411,7 +466,7 @@ static void check_world(struct check *c, const drape_def *def)
 static void check_sizes(struct check *c, const drape_def *def)
 {
     const int64_t most = INT32_MAX / 8;
-    int64_t vertices = 0, triangles = 0;
+    int64_t vertices = 0, triangles = 0, points = 0;
     for (int k = 0; k < def->n_cloths && c->status == DRAPE_OK; k++) {
         const drape_cloth *cloth = &def->cloths[k];
         write_place(c, "cloth", k);
@@ -432,7 +487,15 @@ static void check_sizes(struct check *c, const drape_def *def)
         vertices += o->n_vertices;
         triangles += o->n_triangles;
     }
+    for (int k = 0; k < def->n_seams && c->status == DRAPE_OK; k++) {
+        write_place(c, "seam", k);
+        check_integer(c, "n", def->seams[k].n, 1, most);
+        points += c->status == DRAPE_OK ? def->seams[k].n : 0;
+    }
+    if (c->status != DRAPE_OK)
+        return;
     c->where[0] = 0;
+    check_integer(c, "the scene's number of seam points", points, 0, most);
     check_integer(c, "the scene's number of vertices", vertices, 0, most);
     check_integer(c, "the scene's number of triangles", triangles, 0, most);
 }
@@ -454,6 +517,10 @@ int define_check(const drape_def *def, drape_error *error)
     for (int k = 0; k < def->n_obstacles && c.status == DRAPE_OK; k++) {
         write_place(&c, "obstacle", k);
         check_obstacle(&c, &def->obstacles[k], def->n_motions);
+    }
+    for (int k = 0; k < def->n_seams && c.status == DRAPE_OK; k++) {
+        write_place(&c, "seam", k);
+        check_seam(&c, def, &def->seams[k]);
     }
     return c.status;
 }
