@@ -11,6 +11,7 @@ struct garment_panel {
     struct outline outline;
     struct cut cut;
     struct outline_pair strap, gap; /* the narrowest; width INFINITY: none */
+    double shift[3]; /* m, from where the pattern places it: garment_part */
 };
 
 struct garment {
@@ -50,5 +51,9 @@ double garment_gap(const struct garment *garment,
 /* Where the pattern places a point of a panel, m. */
 void garment_place(const struct pattern_panel *panel, const double x[2],
                    double out[3]);
+
+/* Moves panels that lie in one plane and touch apart, and prints a note of
+ * each two. */
+void garment_part(struct garment *garment);
 
 #endif
