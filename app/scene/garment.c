@@ -222,30 +222,7 @@ void garment_lengths(const struct pattern *pattern,
     }
 }
 
-/* Turns two coordinates by an angle in degrees. */
-static void turn(double *a, double *b, double degrees)
-{
-    double angle = degrees * acos(-1) / 180;
-    double x = *a, y = *b;
-    *a = cos(angle) * x - sin(angle) * y;
-    *b = sin(angle) * x + cos(angle) * y;
-}
-
-void garment_place(const struct pattern_panel *panel, const double x[2],
-                   double out[3])
-{
-    out[0] = x[0];
-    out[1] = x[1];
-    out[2] = 0;
-    turn(&out[1], &out[2], panel->turn[0]);
-    turn(&out[2], &out[0], panel->turn[1]);
-    turn(&out[0], &out[1], panel->turn[2]);
-    for (int i = 0; i < 3; i++)
-        out[i] += panel->at[i];
-}
-
-/* The place in the loop of an edge by its number. */
-static int find_place(const struct pattern_panel *panel, int edge)
+int garment_find_edge(const struct pattern_panel *panel, int edge)
 {
     int place = 0;
     while (panel->loop[place].edge != edge)
@@ -253,10 +230,9 @@ static int find_place(const struct pattern_panel *panel, int edge)
     return place;
 }
 
-/* Whether the file goes round a panel clockwise, as its edge 0 does. */
-static bool is_clockwise(const struct pattern_panel *panel)
+bool garment_is_clockwise(const struct pattern_panel *panel)
 {
-    return panel->loop[find_place(panel, 0)].back;
+    return panel->loop[garment_find_edge(panel, 0)].back;
 }
 
 int garment_seam(const struct garment *garment,
@@ -267,15 +243,16 @@ int garment_seam(const struct garment *garment,
     for (int k = 0; k < 2; k++) {
         const struct garment_panel *p = &garment->panel[stitch->side[k].panel];
         int32_t end[2];
-        int place = find_place(p->panel, stitch->side[k].edge);
+        int place = garment_find_edge(p->panel, stitch->side[k].edge);
         if (!garment_ends(p, place, end))
             return APP_OK;
         side[k] = (struct cut_side){&p->cut, &p->outline, place, false};
     }
     /* Round their panels as the file goes, seen from the right side, one edge
      * begins where the other ends. */
-    bool same = is_clockwise(garment->panel[stitch->side[0].panel].panel) ==
-                is_clockwise(garment->panel[stitch->side[1].panel].panel);
+    bool same =
+        garment_is_clockwise(garment->panel[stitch->side[0].panel].panel) ==
+        garment_is_clockwise(garment->panel[stitch->side[1].panel].panel);
     side[1].back = same != stitch->turned;
     return cut_seam_make(seam, side) ? APP_OK
                                      : complain(APP_FAILED, "out of memory");
@@ -290,28 +267,4 @@ bool garment_is_dart(const struct pattern *pattern,
         return false;
     const int *p = panel->edge[a->edge].end, *q = panel->edge[b->edge].end;
     return p[0] == q[0] || p[0] == q[1] || p[1] == q[0] || p[1] == q[1];
-}
-
-double garment_gap(const struct garment *garment,
-                   const struct pattern_stitch *stitch,
-                   const struct cut_seam *seam)
-{
-    double most = 0;
-    const struct garment_panel *p =
-        &garment->panel[stitch->side[seam->fine].panel];
-    const struct garment_panel *q =
-        &garment->panel[stitch->side[!seam->fine].panel];
-    for (int k = 0; k < seam->n; k++) {
-        const struct cut_point *point = &seam->point[k];
-        double x[3], a[3], b[3], sum = 0;
-        garment_place(p->panel, p->cut.x[point->particle], x);
-        garment_place(q->panel, q->cut.x[point->onto[0]], a);
-        garment_place(q->panel, q->cut.x[point->onto[1]], b);
-        for (int i = 0; i < 3; i++) {
-            double gap = x[i] - a[i] - point->part * (b[i] - a[i]);
-            sum += gap * gap;
-        }
-        most = fmax(most, sqrt(sum));
-    }
-    return most;
 }

@@ -12,6 +12,10 @@ struct garment_panel {
     struct cut cut;
     struct outline_pair strap, gap; /* the narrowest; width INFINITY: none */
     double shift[3]; /* m, from where the pattern places it: garment_part */
+    struct garment_roll {
+        double radius;          /* m; 0: the panel is flat */
+        double at[2], along[2]; /* m; unit: the line that stays where it is */
+    } roll;                     /* garment_roll_up */
 };
 
 struct garment {
@@ -48,10 +52,17 @@ bool garment_is_dart(const struct pattern *pattern,
 double garment_gap(const struct garment *garment,
                    const struct pattern_stitch *stitch,
                    const struct cut_seam *seam);
-/* Where the pattern places a point of a panel, m. */
-void garment_place(const struct pattern_panel *panel, const double x[2],
+/* The place in a panel's loop of an edge by its number. */
+int garment_find_edge(const struct pattern_panel *panel, int edge);
+/* Whether the file goes round a panel clockwise, as its edge 0 does: then its
+ * right side is at -z. */
+bool garment_is_clockwise(const struct pattern_panel *panel);
+/* Where a point of a panel starts, m: rolled, placed and shifted. */
+void garment_stand(const struct garment_panel *panel, const double x[2],
                    double out[3]);
-
+/* Rolls each panel that a stitch makes a tube, as a sleeve of one panel, about
+ * its wrong side, so that a tenth of the tube is open. */
+void garment_roll_up(struct garment *garment);
 /* Moves panels that lie in one plane and touch apart, and prints a note of
  * each two. */
 void garment_part(struct garment *garment);

@@ -182,8 +182,10 @@ static int make_garment(struct json *json, struct garment_key *key)
     pattern->file = pool_text(json->pool, path);
     status =
         pattern->file ? garment_cut(&garment, pattern, key->cell) : no_memory();
-    if (status == APP_OK && !key->sewn)
+    if (status == APP_OK && !key->sewn) {
+        garment_roll_up(&garment);
         garment_part(&garment);
+    }
     if (status == APP_OK)
         status = make_cloths(json, &garment, key);
     if (status == APP_OK)
@@ -283,11 +285,18 @@ int read_garments(struct json *json, json_t *node, void *out)
         .read = read_garment, .size = sizeof(struct garment_key), .most = 100};
     int status = json_items(json, node, &list);
     const struct garment_key *key = list.items;
+    if (status == APP_OK) {
+        scene->garment_cloth =
+            pool_take(json->pool, (size_t)list.count + 1, sizeof(int));
+        status = scene->garment_cloth ? APP_OK : no_memory();
+    }
     for (int k = 0; k < list.count && status == APP_OK; k++) {
         int first = scene->def.n_cloths;
+        scene->garment_cloth[k] = first;
         status = add_cloths(json->pool, scene, &key[k]);
         if (status == APP_OK)
             status = add_seams(json->pool, scene, &key[k], first);
+        scene->garment_cloth[++scene->garments] = scene->def.n_cloths;
     }
     return status;
 }

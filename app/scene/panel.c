@@ -86,9 +86,7 @@ int panel_keep(struct pool *pool, const struct garment_panel *p,
     for (size_t k = 0; k < n; k++) {
         for (int i = 0; i < 2; i++)
             rest[k][i] = cut->x[k][i] - cut->at[i];
-        garment_place(p->panel, cut->x[k], x[k]);
-        for (int i = 0; i < 3; i++)
-            x[k][i] += p->shift[i];
+        garment_stand(p, cut->x[k], x[k]);
     }
     for (size_t k = 0; k < cells; k++) {
         int32_t at[4];

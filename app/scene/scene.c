@@ -179,7 +179,7 @@ static const char *is_other(json_t *root)
 {
     if (json_object_get(json_object_get(root, "pattern"), "panels"))
         return "is a sewing pattern of GarmentCode, which `drape pattern` "
-               "cuts; drape cannot sew seams yet (spec/limits.md)";
+               "cuts and `drape sew` sews";
     if (json_object_get(json_object_get(root, "asset"), "version"))
         return "is a glTF file; expected a scene, which names it as the mesh "
                "of an obstacle (app/scenes/README.md)";

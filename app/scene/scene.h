@@ -38,7 +38,9 @@ struct scene {
     char **cloth_name, **obstacle_name, **motion_name;
     struct look *cloth_look, *obstacle_look; /* as many */
     int **pin_from; /* [n_cloths][n_pins] index in the file's list of pins */
-    struct scene_seam *seam; /* [def.n_seams] */
+    struct scene_seam *seam;      /* [def.n_seams] */
+    int garments, *garment_cloth; /* [garments + 1] where each one's cloths
+                                     begin */
     bool unsewn; /* some seams are as far apart as their pattern places them */
     double particles;   /* sum over all cloths */
     int64_t degenerate; /* obstacle triangles without area */

@@ -154,7 +154,7 @@ static void append(const struct garment_panel *p, bool placed,
         x[1] = cut->x[k][1];
         x[2] = 0;
         if (placed)
-            garment_place(p->panel, cut->x[k], x);
+            garment_stand(p, cut->x[k], x);
     }
     for (int64_t c = 0; c < (int64_t)(cut->m - 1) * (cut->n - 1); c++) {
         int32_t tri[2][3];
