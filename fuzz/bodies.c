@@ -68,6 +68,7 @@ const char *play_add_cloth(struct play *p)
         return NULL;
     small_cloth(&p->s, &p->b, &c);
     uint32_t fault = pick(&p->b, 8) == 7 ? 1 + pick(&p->b, 4) : 0;
+    bool wrong = fault || p->s.def.n_seams > 0;
     if (fault == 1)
         c.m = -(int)pick(&p->b, 3);
     if (fault == 2)
@@ -80,7 +81,7 @@ const char *play_add_cloth(struct play *p)
     play_short(p);
     for (int k = 0; k < 2 && p->world[k]; k++)
         status[k] = drape_add_cloth(p->world[k], &c, &error);
-    const char *failed = added(p, status, n, fault, &error);
+    const char *failed = added(p, status, n, wrong, &error);
     if (failed || status[0] < 0)
         return failed;
     p->s.cloth[n] = c;
@@ -96,6 +97,7 @@ const char *play_add_obstacle(struct play *p)
     if (n == SMALL_OBSTACLES)
         return NULL;
     uint32_t fault = pick(&p->b, 8) == 7 ? 1 + pick(&p->b, 3) : 0;
+    bool wrong = fault || p->s.def.n_seams > 0;
     if (fault == 1)
         o.n_vertices = draw_int(&p->b) | INT32_MIN;
     if (fault == 2)
@@ -106,7 +108,7 @@ const char *play_add_obstacle(struct play *p)
     play_short(p);
     for (int k = 0; k < 2 && p->world[k]; k++)
         status[k] = drape_add_obstacle(p->world[k], &o, &error);
-    const char *failed = added(p, status, n, fault, &error);
+    const char *failed = added(p, status, n, wrong, &error);
     if (failed || status[0] < 0)
         return failed;
     p->s.obstacle[n] = o;
@@ -120,11 +122,12 @@ const char *play_remove(struct play *p)
     bool any = pick(&p->b, 8) == 7;
     int body = any ? draw_int(&p->b) : (int)pick(&p->b, (uint32_t)(nc + no));
     bool wrong = body < 0 || body >= nc + no || (body == 0 && nc == 1);
+    bool held = p->s.def.n_seams > 0;
     uint64_t kept = wrong ? 0 : others(p, body, HASH_START);
     play_short(p);
     for (int k = 0; k < 2 && p->world[k]; k++)
         status[k] = drape_remove(p->world[k], body);
-    const char *failed = play_judge(p, status, wrong);
+    const char *failed = play_judge(p, status, wrong || held);
     if (failed || status[0] != DRAPE_OK)
         return failed;
     if (body < nc) {

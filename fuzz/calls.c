@@ -123,7 +123,10 @@ static const struct call {
              {"drape_clock", play_clock},
              {"drape_read_material", play_set_material},
              {"drape_read_wind", play_set_wind},
-             {"drape_read_gravity", play_set_gravity}};
+             {"drape_read_gravity", play_set_gravity},
+             {"drape_seam_target", play_seam},
+             {"drape_seam_state", play_seam},
+             {"drape_are_sewn", play_seam}};
 enum { CALLS = sizeof calls / sizeof *calls };
 
 /* Makes calls drawn from the input; every other call is `often`. */

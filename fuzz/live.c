@@ -299,6 +299,52 @@ const char *play_contacts(struct play *p)
     return list(p, false);
 }
 
+/* What two worlds say of a seam is the same, whatever triangles are sewn. */
+static const char *look_at_seam(struct play *p, int seam)
+{
+    double gap[2][SMALL_SIDE][3], pull[2][SMALL_SIDE][3];
+    int64_t nt = drape_triangles(p->world[0]);
+    uint32_t most = (uint32_t)nt + 1;
+    int64_t a = (int64_t)pick(&p->b, most), b = (int64_t)pick(&p->b, most);
+    bool out = seam < 0 || seam >= p->s.def.n_seams;
+    memset(gap, 0, sizeof gap);
+    memset(pull, 0, sizeof pull);
+    for (int k = 0; k < 2 && p->world[k]; k++) {
+        int status = drape_seam_state(p->world[k], seam, gap[k], pull[k]);
+        EXPECT(status == (out ? DRAPE_EARG : DRAPE_OK));
+        int sewn = drape_are_sewn(p->world[k], a, b);
+        EXPECT(a < nt && b < nt
+                   ? sewn == drape_are_sewn(p->world[k], b, a) && sewn >= 0
+                   : sewn == DRAPE_EARG);
+        EXPECT(p->s.def.n_seams || sewn <= 0);
+    }
+    EXPECT(!p->world[1] || (!memcmp(gap[0], gap[1], sizeof gap[0]) &&
+                            !memcmp(pull[0], pull[1], sizeof pull[0])));
+    return NULL;
+}
+
+const char *play_seam(struct play *p)
+{
+    int seam = pick(&p->b, 8) < 7 ? 0 : draw_int(&p->b);
+    int status[2] = {0, 0};
+    double gap[SMALL_SIDE][3];
+    bool out = seam < 0 || seam >= p->s.def.n_seams, given = pick(&p->b, 4);
+    bool any = pick(&p->b, 8) == 7, huge = false;
+    for (int k = 0; k < 3 * SMALL_SIDE; k++)
+        gap[k / 3][k % 3] = draw_in(&p->b, -0.02, 0.02);
+    if (any)
+        gap[0][1] = draw_any(&p->b);
+    huge = given && any && !(fabs(gap[0][1]) <= 0x1p60);
+    if (given && any && !huge && fabs(gap[0][1]) > 1)
+        gap[0][1] = 0.01; /* so that steps mean something */
+    const char *failed = look_at_seam(p, seam);
+    for (int k = 0; k < 2 && p->world[k]; k++)
+        status[k] = drape_seam_target(p->world[k], seam,
+                                      given ? (const double(*)[3])gap : NULL);
+    EXPECT(status[0] == DRAPE_OK || out || huge);
+    return failed ? failed : play_judge(p, status, out || huge);
+}
+
 const char *play_contacts_device(struct play *p)
 {
     return list(p, true);

@@ -33,7 +33,7 @@ play_call play_read, play_triangles, play_first, play_borrow, play_plan,
 play_call play_gravity, play_material, play_positions, play_velocities,
     play_pins, play_obstacle, play_contacts, play_log, play_positions_device,
     play_velocities_device, play_pins_device, play_obstacle_device,
-    play_contacts_device;
+    play_contacts_device, play_seam;
 /* fuzz/bodies.c */
 play_call play_add_cloth, play_add_obstacle, play_remove;
 

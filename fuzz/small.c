@@ -128,6 +128,33 @@ static void draw_choices(struct bytes *b, drape_def *d)
     d->response = how / 4 == 3 ? DRAPE_IMPULSES : DRAPE_SOLVE;
 }
 
+/* Sews the first row of the last cloth to the last row of a cloth that has no
+ * hole, which may be itself. */
+static void draw_seam(struct bytes *b, struct small *s)
+{
+    const drape_def *d = &s->def;
+    int a = d->n_cloths - 1, c = s->cloth[0].hole ? a : 0;
+    int m = s->cloth[c].m;
+    int32_t last = m * (s->cloth[c].n - 1);
+    bool able = d->integrator >= DRAPE_BW && d->response == DRAPE_SOLVE;
+    if (!able || s->cloth[a].hole || pick(b, 4) != 3)
+        return;
+    s->seam = (drape_seam){{a, c},
+                           1 + (int)pick(b, (uint32_t)s->cloth[a].m),
+                           s->sewn,
+                           (const int32_t(*)[2])s->onto,
+                           s->part};
+    for (int k = 0; k < s->seam.n; k++) {
+        int at = k < m - 1 ? k : m - 2;
+        s->sewn[k] = k;
+        s->onto[k][0] = last + at;
+        s->onto[k][1] = last + at + (int)pick(b, 2);
+        s->part[k] = 0.25 * pick(b, 5);
+    }
+    s->def.seams = &s->seam;
+    s->def.n_seams = 1;
+}
+
 void small_make(struct small *s, struct bytes *b)
 {
     memset(s, 0, sizeof *s);
@@ -143,6 +170,7 @@ void small_make(struct small *s, struct bytes *b)
     s->def.obstacles = s->obstacle;
     s->def.motions = &s->motion;
     s->def.n_motions = 1;
+    draw_seam(b, s);
     bank_open(&s->host, (size_t)1 << 28);
     bank_open(&s->device, (size_t)1 << 28);
     s->def.allocator = bank_of(&s->host);
@@ -233,6 +261,20 @@ const char *small_state(const struct small *s, const drape_world *world)
     return failed;
 }
 
+/* The number of pairs that the mesh has without those that a seam joins. */
+static int64_t count_apart(const drape_world *world, const drape_mesh *mesh,
+                           int64_t found)
+{
+    int32_t(*pair)[2] = malloc(((size_t)found + 1) * sizeof *pair);
+    int64_t all = found, apart = -1;
+    if (pair && drape_audit(mesh, all, pair, &found, NULL) == DRAPE_OK)
+        apart = found;
+    for (int64_t k = 0; k < found && apart >= 0; k++)
+        apart -= drape_are_sewn(world, pair[k][0], pair[k][1]);
+    free(pair);
+    return apart;
+}
+
 int64_t small_audit(const struct small *s, const drape_world *world)
 {
     struct state now;
@@ -251,6 +293,8 @@ int64_t small_audit(const struct small *s, const drape_world *world)
     if (!good || !group ||
         drape_audit(&mesh, 0, NULL, &found, NULL) != DRAPE_OK)
         found = -1;
+    if (found > 0 && s->def.n_seams > 0)
+        found = count_apart(world, &mesh, found);
     free(group);
     state_free(&now);
     return found;

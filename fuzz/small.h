@@ -24,6 +24,9 @@ struct small {
     double velocity[SMALL_CLOTHS][SMALL_SIDE * SMALL_SIDE][3];
     uint8_t hole[SMALL_SIDE * SMALL_SIDE], cut[SMALL_SIDE * SMALL_SIDE];
     double box_x[8][3], ground_x[4][3], frame[2][4][3];
+    drape_seam seam;
+    int32_t sewn[SMALL_SIDE], onto[SMALL_SIDE][2];
+    double part[SMALL_SIDE];
     bool prescribed; /* set by callers that move pins or obstacles: what the
                  definition holds at rest may move */
     struct bank host, device;
@@ -38,8 +41,8 @@ void small_cloth(struct small *s, struct bytes *b, drape_cloth *c);
 /* Checks a state. Returns NULL or the fault: a number that is not finite, or a
  * held particle or an obstacle at rest that has moved. */
 const char *small_state(const struct small *s, const drape_world *world);
-/* Returns the number of intersecting pairs that involve cloth; -1: the audit
- * failed. */
+/* Returns the number of intersecting pairs that involve cloth and that no seam
+ * joins; -1: the audit failed. */
 int64_t small_audit(const struct small *s, const drape_world *world);
 /* All bits of enum drape_outcome. */
 enum { OUTCOME_BITS = 127 };

@@ -442,8 +442,8 @@ typedef struct drape_step_report {
                              step, as drape_audit counts them; not 0 only with
                              DRAPE_TRAPPED */
     int64_t sewn; /* pairs that intersect beside a seam, which are not in
-                     `intersecting` (seam/seam.md §5), when pairs were last
-                     counted: in drape_create, or after a step that had to */
+                     `intersecting` (seam/seam.md §5), where this step had to
+                     count pairs; else 0 */
     double kinetic, elastic, potential; /* J, of all cloths, at the end of the
                                            step; potential: of gravity, 0 at the
                                            origin */

@@ -389,7 +389,8 @@ def includes(texts):
 # Rooms on one line are one: `run` is what a device adds to `base`, and `compare` a
 # second solver.
 ORDER = (("base", "run"), ("cloth",), ("panel",), ("solve", "compare"), ("broad",), ("narrow",),
-         ("contact",), ("momentum",), ("sleep",), ("world",), ("control",), ("api",))
+         ("contact",), ("seam",), ("momentum",), ("sleep",), ("world",), ("control",),
+         ("api",))
 RANK = {room: k for k, rooms in enumerate(ORDER) for room in rooms}
 # What still reaches up, and so takes more than it uses.
 REACH_UP = """
@@ -403,6 +404,7 @@ ref/contact/lagrange.c ref/sleep/sleep.h
 ref/contact/lagrange.c ref/world/state.h
 ref/contact/unknowns.c ref/world/state.h
 ref/momentum/conserve.c ref/world/state.h
+ref/seam/seam.h ref/world/state.h
 ref/sleep/rest.h ref/world/state.h
 ref/sleep/sleep.c ref/world/slice.h
 ref/solve/joint.c ref/sleep/sleep.h

@@ -62,9 +62,34 @@ static __device__ bool pair_moves(const struct features *s, int32_t a,
     return s->n_moved == 0 || (s->moved[a] | s->moved[b]);
 }
 
+/* §5: whether vertices a and b are sewn together. */
+static __device__ bool are_sewn(const struct features *s, int32_t a, int32_t b)
+{
+    for (int32_t k = s->start[a]; k < s->start[a + 1]; k++)
+        if (s->sewn[k] == b)
+            return true;
+    return false;
+}
+
+/* §5: whether the pair of vertex v and face g is passed over. */
+static __device__ bool sewn_vertex(const struct features *s, int32_t v,
+                                   const struct corners &g)
+{
+    return are_sewn(s, v, g.v[0]) || are_sewn(s, v, g.v[1]) ||
+           are_sewn(s, v, g.v[2]);
+}
+
+/* §4: likewise of edges a b and c d. */
+static __device__ bool sewn_edges(const struct features *s, int32_t a,
+                                  int32_t b, int32_t c, int32_t d)
+{
+    return are_sewn(s, a, c) || are_sewn(s, a, d) || are_sewn(s, b, c) ||
+           are_sewn(s, b, d);
+}
+
 /* Tests the vertices of f against face g. Bit k of the result: vertex k and g
  * are a candidate. */
-template <class BOX>
+template <class BOX, bool SEWN>
 static __device__ uint32_t test_vertices(const struct features *s, real reach,
                                          const side<BOX> &f, const side<BOX> &g)
 {
@@ -74,7 +99,8 @@ static __device__ uint32_t test_vertices(const struct features *s, real reach,
         int32_t v = f.c.v[k];
         if ((f.own >> k & 1) && !has_vertex(g.c, v) &&
             meets(f.vertex[k], g.face, reach) &&
-            (pair_moves(s, v, g.c.v[0]) || pair_moves(s, g.c.v[1], g.c.v[2])))
+            (pair_moves(s, v, g.c.v[0]) || pair_moves(s, g.c.v[1], g.c.v[2])) &&
+            !(SEWN && sewn_vertex(s, v, g.c)))
             mask |= 1u << k;
     }
     return mask;
@@ -82,7 +108,7 @@ static __device__ uint32_t test_vertices(const struct features *s, real reach,
 
 /* Tests edge (a, b), whose box is e, against the edges of g. Bit j of the
  * result: the edge and edge j are a candidate. */
-template <class BOX>
+template <class BOX, bool SEWN>
 static __device__ uint32_t test_edge(const struct features *s, real reach,
                                      int32_t a, int32_t b, const BOX &e,
                                      const side<BOX> &g)
@@ -94,7 +120,8 @@ static __device__ uint32_t test_edge(const struct features *s, real reach,
         int32_t c = g.c.v[j], d = g.c.v[next];
         if ((g.own >> (3 + j) & 1) && a != c && a != d && b != c && b != d &&
             meets(e, join(g.vertex[j], g.vertex[next]), reach) &&
-            (pair_moves(s, a, b) || pair_moves(s, c, d)))
+            (pair_moves(s, a, b) || pair_moves(s, c, d)) &&
+            !(SEWN && sewn_edges(s, a, b, c, d)))
             mask |= 1u << j;
     }
     return mask;
@@ -103,7 +130,7 @@ static __device__ uint32_t test_edge(const struct features *s, real reach,
 /* Tests the edges of f against the edges of g. Bit 3 i + j of the result: edge
  * i of f and edge j of g are a candidate. An edge whose box does not meet the
  * other face's box meets none of its edges, as they lie in that box. */
-template <class BOX>
+template <class BOX, bool SEWN>
 static __device__ uint32_t test_edges(const struct features *s, real reach,
                                       const side<BOX> &f, const side<BOX> &g)
 {
@@ -113,34 +140,36 @@ static __device__ uint32_t test_edges(const struct features *s, real reach,
         int next = i < 2 ? i + 1 : 0;
         BOX e = join(f.vertex[i], f.vertex[next]);
         if ((f.own >> (3 + i) & 1) && g.own >> 3 && meets(e, g.face, reach))
-            mask |= test_edge(s, reach, f.c.v[i], f.c.v[next], e, g) << (3 * i);
+            mask |= test_edge<BOX, SEWN>(s, reach, f.c.v[i], f.c.v[next], e, g)
+                    << (3 * i);
     }
     return mask;
 }
 
 /* The mask of the candidates of a pair of triangles, §1. */
-template <class BOX>
+template <class BOX, bool SEWN>
 static __device__ uint32_t mask_of(const struct features *s, real reach,
                                    struct duo e)
 {
     if (!(s->own[e.a] | s->own[e.b]))
         return 0;
     side<BOX> f = side_of<BOX>(s, e.a), g = side_of<BOX>(s, e.b);
-    return test_vertices(s, reach, f, g) | test_vertices(s, reach, g, f) << 3 |
-           test_edges(s, reach, f, g) << VF_BITS;
+    return test_vertices<BOX, SEWN>(s, reach, f, g) |
+           test_vertices<BOX, SEWN>(s, reach, g, f) << 3 |
+           test_edges<BOX, SEWN>(s, reach, f, g) << VF_BITS;
 }
 
 /* Block k owns 256 triangle pairs from 256 k on. It writes their masks and its
  * numbers of candidates: sum[k] vertex-face, sum[blocks + k] edge-edge. The
  * block that ends last scans the sums into the places where each block begins
  * to write. */
-template <class BOX>
+template <class BOX, bool SEWN>
 KERNEL features_test_kernel(const struct features &s, real reach, int64_t *word)
 {
     int64_t k = (int64_t)blockIdx.x * BVTT_BLOCK + threadIdx.x;
     uint32_t mask = 0, total;
     if (k < s.n) {
-        mask = mask_of<BOX>(&s, reach, fetch_duo(&s.both[k]));
+        mask = mask_of<BOX, SEWN>(&s, reach, fetch_duo(&s.both[k]));
         s.mask[k] = (uint16_t)mask;
     }
     uint32_t vf = (uint32_t)__popc(mask & VF_MASK);
@@ -233,6 +262,13 @@ KERNEL features_emit_kernel(const struct features &s, const int64_t *word)
     }
 }
 
+template <class BOX, bool SEWN>
+static void launch_test(struct gpu *g, const struct features *s, int64_t *word)
+{
+    LAUNCH_PARTS(g, blocks_of(s->n), BVTT_BLOCK, TESTS_AT_ONCE,
+                 (features_test_kernel<BOX, SEWN>), *s, reach_of(s->r), word);
+}
+
 int gpu_features(struct gpu *g, struct features *s)
 {
     int64_t blocks = blocks_of(s->n);
@@ -240,14 +276,12 @@ int gpu_features(struct gpu *g, struct features *s)
     if (!(s->r >= 0 && s->r <= REAL_BIG))
         return DRAPE_EDATA;
     int64_t *word = gpu_words(g);
-    if (s->x0 == s->x1)
-        LAUNCH_PARTS(g, blocks, BVTT_BLOCK, TESTS_AT_ONCE,
-                     (features_test_kernel<struct still_box>), *s,
-                     reach_of(s->r), word);
-    else
-        LAUNCH_PARTS(g, blocks, BVTT_BLOCK, TESTS_AT_ONCE,
-                     (features_test_kernel<struct box>), *s, reach_of(s->r),
-                     word);
+    bool still = s->x0 == s->x1, sewn = s->n_start > 0;
+    auto launch = still && sewn ? launch_test<struct still_box, true>
+                  : still       ? launch_test<struct still_box, false>
+                  : sewn        ? launch_test<struct box, true>
+                                : launch_test<struct box, false>;
+    launch(g, s, word);
     LAUNCH_PARTS(g, blocks, BVTT_BLOCK, 1, features_emit_kernel, *s, word);
     const int64_t *seen = gpu_read_back(g, WORDS);
     if (gpu_status(g) != DRAPE_OK)

@@ -69,6 +69,21 @@ static __device__ void renew_multipliers(const struct coulomb *s,
     c->lambda_t = cut_length(c->tangent, c->friction * c->impulse);
 }
 
+/* seam.md §2: pull and matrix of contact k, a point of a seam, and next[k]. */
+static __device__ void evaluate_seam(const struct coulomb *s, int64_t k)
+{
+    struct contact *c = &s->contact[k];
+    if (s->renews)
+        c->lambda_t = c->tangent;
+    vec lack = scale(s->dt / s->tau, sub(c->n, pair_sum(c, s->u)));
+    c->tangent = axpy(c->lambda_t, c->kappa, lack);
+    c->stiffness_n = c->stiffness_t = c->kappa;
+    c->coupling = !(c->kappa > 0)   ? CONTACT_APART
+                  : is_single(s, c) ? CONTACT_SINGLE
+                                    : CONTACT_MUTUAL;
+    s->next[k] = axpy(c->tangent, c->kappa, lack);
+}
+
 /* §1, §2, §3.1. Thread k owns contact k: reads u of its vertices, writes its
  * impulses, its matrix and next[k]; with `renews` its multipliers, too. */
 KERNEL coulomb_evaluate_kernel(const struct coulomb &s, int64_t *words)
@@ -79,6 +94,10 @@ KERNEL coulomb_evaluate_kernel(const struct coulomb &s, int64_t *words)
         words[INCIDENCE_BAD] = 1;
     if (!in_range(c->v, s.nv) || (s.lists && words[INCIDENCE_BAD]))
         return;
+    if (k >= s.n - s.seams) {
+        evaluate_seam(&s, k);
+        return;
+    }
     if (s.renews)
         renew_multipliers(&s, c);
     vec n = c->n, v = scale(s.dt / s.tau, pair_sum(c, s.u));
@@ -132,11 +151,12 @@ static __device__ real part_of(const struct coulomb *s, const struct contact *c,
     return sum / side[j < split ? SIDE_A : SIDE_B] * magnitude(c->c[j]);
 }
 
-/* The numbers that an item adds to its vertex, and whether its bound is of a
- * SINGLE contact. Number o of the item at place k is in part[o·n4 + k]. */
+/* The numbers that an item adds to its vertex, and of what contact it is.
+ * Number o of the item at place k is in part[o·n4 + k]. */
+enum { IS_SINGLE = 1, IS_SEAM = 2 };
 struct items {
-    real *part;      /* [PARTS·n4] */
-    uint8_t *single; /* [n4] */
+    real *part;    /* [PARTS·n4] */
+    uint8_t *what; /* [n4] IS_SINGLE and IS_SEAM */
 };
 
 /* §3.2: the part of contact c in the bound of its vertex j; 0 if it is apart.
@@ -176,7 +196,8 @@ KERNEL coulomb_item_kernel(const struct coulomb &s, struct items to,
     UNROLL
     for (int o = 0; o < PARTS; o++)
         to.part[o * s.n4 + k] = all[o];
-    to.single[k] = c->coupling == CONTACT_SINGLE;
+    to.what[k] = (uint8_t)((c->coupling == CONTACT_SINGLE ? IS_SINGLE : 0) |
+                           (at >= s.n - s.seams ? IS_SEAM : 0));
 }
 
 /* A number of the items of all lists that is part of a force. */
@@ -185,15 +206,26 @@ struct coulomb_push {
     __device__ real value(int32_t at) const { return part[at]; }
 };
 
+/* The same: x of all contacts, y of those that are no points of seams. */
+struct coulomb_pushes {
+    const real *part;
+    const uint8_t *what;
+    __device__ vec value(int32_t at) const
+    {
+        real a = part[at], none = 0;
+        return make(a, what[at] & IS_SEAM ? none : a, 0);
+    }
+};
+
 /* A number of a bound: x of MUTUAL contacts, y of SINGLE ones. No sum is -0, so
  * the zeros that the reference does not add change nothing. */
 struct coulomb_bound {
     const real *part;
-    const uint8_t *single;
+    const uint8_t *what;
     __device__ vec value(int32_t at) const
     {
         real a = part[at], none = 0;
-        return single[at] ? make(none, a, 0) : make(a, none, 0);
+        return what[at] & IS_SINGLE ? make(none, a, 0) : make(a, none, 0);
     }
 };
 
@@ -213,14 +245,15 @@ static __device__ real &number(vec *a, int64_t i, int o)
     return ((real *)&a[i])[o];
 }
 
-/* Writes number o of the forces of vertex i, and of inner and outer. */
+/* Writes number o of the forces of vertex i, and of inner and outer. force: the
+ * part of the sum that is no seam's. */
 static __device__ void put_push(const struct coulomb *s, int64_t i, int o,
-                                real sum)
+                                real sum, real force)
 {
     bool renewed = o >= PUSHES;
     int at = o % PUSHES;
     if (!renewed)
-        number(s->force, i, at) = sum;
+        number(s->force, i, at) = force;
     if (i >= s->nc)
         return;
     real rest = ((const real *)&s->rest[i])[at];
@@ -229,18 +262,24 @@ static __device__ void put_push(const struct coulomb *s, int64_t i, int o,
 }
 
 /* Writes number o of vertex i. */
-template <bool BY_WARP>
+template <bool BY_WARP, bool SEWN>
 static __device__ void put_number(const struct coulomb *s, struct items from,
                                   int32_t i, int o, vec *row)
 {
     const real *part = from.part + o * s->n4;
-    if (o < 2 * PUSHES) {
-        put_push(
-            s, i, o,
-            sum_numbers<BY_WARP>(s, coulomb_push{part}, i, R(0.0), &row->x));
+    if (o < 2 * PUSHES && SEWN) {
+        vec sum = sum_numbers<BY_WARP>(s, coulomb_pushes{part, from.what}, i,
+                                       make(0, 0, 0), row);
+        put_push(s, i, o, sum.x, sum.y);
         return;
     }
-    vec sum = sum_numbers<BY_WARP>(s, coulomb_bound{part, from.single}, i,
+    if (o < 2 * PUSHES) {
+        real sum =
+            sum_numbers<BY_WARP>(s, coulomb_push{part}, i, R(0.0), &row->x);
+        put_push(s, i, o, sum, sum);
+        return;
+    }
+    vec sum = sum_numbers<BY_WARP>(s, coulomb_bound{part, from.what}, i,
                                    make(0, 0, 0), row);
     ((real *)&s->single[i])[o - 2 * PUSHES] = sum.y;
     ((real *)&s->bound[i])[o - 2 * PUSHES] = sum.x + sum.y;
@@ -248,6 +287,7 @@ static __device__ void put_number(const struct coulomb *s, struct items from,
 
 /* §3. A block owns GROUP vertices, warp o their number o: writes their force,
  * bound and single, which are 0 without contacts, inner and outer. */
+template <bool SEWN>
 KERNEL coulomb_gather_kernel(const struct coulomb &s, struct items from,
                              const int64_t *words)
 {
@@ -262,19 +302,20 @@ KERNEL coulomb_gather_kernel(const struct coulomb &s, struct items from,
         n = 0;
     __syncthreads();
     if (good && s.start[i + 1] - s.start[i] <= LIST_SHORT)
-        put_number<false>(&s, from, (int32_t)i, o, row[o]);
+        put_number<false, SEWN>(&s, from, (int32_t)i, o, row[o]);
     else if (good && o == 0)
         longer[atomicAdd(&n, 1)] = (int32_t)i;
     __syncthreads();
     for (int l = 0; l < n; l++)
-        put_number<true>(&s, from, longer[l], o, row[o]);
+        put_number<true, SEWN>(&s, from, longer[l], o, row[o]);
 }
 
 static bool is_good(const struct coulomb *s)
 {
     return s->dt > 0 && s->tau > 0 && s->give >= 0 && s->reach >= 0 &&
            s->stiffest > 0 && s->nc <= s->nv && s->nv1 == s->nv + 1 &&
-           s->n4 == 4 * s->n && s->n4 <= INT32_MAX;
+           s->n4 == 4 * s->n && s->n4 <= INT32_MAX && s->seams >= 0 &&
+           s->seams <= s->n;
 }
 
 int gpu_coulomb_queue(struct gpu *g, struct coulomb *s, int64_t *words)
@@ -287,11 +328,15 @@ int gpu_coulomb_queue(struct gpu *g, struct coulomb *s, int64_t *words)
         gpu_incidence(g, &by, words);
     struct items to = {};
     to.part = (real *)gpu_scratch(g, SLOT_STAGE, PARTS * s->n4, sizeof(real));
-    to.single = (uint8_t *)gpu_scratch(g, SLOT_STAGE + 1, s->n4, 1);
+    to.what = (uint8_t *)gpu_scratch(g, SLOT_STAGE + 1, s->n4, 1);
     LAUNCH(g, s->n, coulomb_evaluate_kernel, *s, words);
     LAUNCH(g, s->n4, coulomb_item_kernel, *s, to, words);
-    LAUNCH_PARTS(g, (s->nv + GROUP - 1) / GROUP, GROUP_BLOCK, 1,
-                 coulomb_gather_kernel, *s, to, words);
+    if (s->seams > 0)
+        LAUNCH_PARTS(g, (s->nv + GROUP - 1) / GROUP, GROUP_BLOCK, 1,
+                     coulomb_gather_kernel<true>, *s, to, words);
+    else
+        LAUNCH_PARTS(g, (s->nv + GROUP - 1) / GROUP, GROUP_BLOCK, 1,
+                     coulomb_gather_kernel<false>, *s, to, words);
     return gpu_status(g);
 }
 

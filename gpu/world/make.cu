@@ -14,6 +14,20 @@ extern "C" {
 #include "ref/world/air.h"
 }
 
+/* The streams of seams, but for those of the state. */
+static void give_seams(struct gpu_world *d)
+{
+    const struct seams *h = &d->host->seams;
+    struct seams *s = &d->world.seams;
+    if (h->n == 0)
+        return;
+    GPU_TAKE_COPY(d->gpu, s->point, ARENA_STATE, h->point, h->n);
+    GPU_TAKE_COPY(d->gpu, s->next, ARENA_STATE, NULL, h->n);
+    GPU_TAKE_COPY(d->gpu, s->aside, ARENA_RESPONSE, NULL, h->n);
+    GPU_TAKE_COPY(d->gpu, s->start, ARENA_PAIRS, h->start, h->n_start);
+    GPU_TAKE_COPY(d->gpu, s->sewn, ARENA_PAIRS, h->sewn, h->n_sewn);
+}
+
 static void give_state(struct gpu_world *d)
 {
     const struct world *h = d->host;
@@ -34,6 +48,7 @@ static void give_state(struct gpu_world *d)
         GPU_TAKE_COPY(d->gpu, w->free_x, ARENA_STATE, NULL, h->nc);
         GPU_TAKE_COPY(d->gpu, w->free_v, ARENA_STATE, NULL, h->nc);
     }
+    give_seams(d);
     w->tri = NULL; /* borrow() takes it if nothing can collide */
 }
 
@@ -167,6 +182,8 @@ int gpu_make_edited(const drape_def *def, const struct edited *edited,
         status = gpu_broad_make(d->gpu, &h->broad, &w->broad);
     if (status == DRAPE_OK && w->plan.collides) {
         w->tri = (int32_t(*)[3])w->broad.tree.tri;
+        w->broad.start = w->seams.start;
+        w->broad.sewn = w->seams.sewn;
         status = give_response(d);
     }
     gpu_wait(d->gpu);

@@ -228,28 +228,35 @@ int drape_set_pose(drape_world *world, int obstacle, const double position[3],
     return status;
 }
 
-/* There are no seams yet: drape_create refuses them. */
-
 int drape_seam_target(drape_world *world, int seam, const double (*gap)[3])
 {
-    (void)world;
-    (void)seam;
-    (void)gap;
-    return DRAPE_EARG;
+    int64_t n =
+        world ? world->ops->control.seam_points(world->world, seam) : -1;
+    if (n < 0)
+        return DRAPE_EARG;
+    int status = gap ? define_check_vectors(n, gap) : DRAPE_OK;
+    if (status == DRAPE_OK)
+        status = world->ops->control.seam_target(world->world, seam, n, gap);
+    if (status == DRAPE_OK)
+        record_call(world, (struct record){.kind = RECORD_SEAM,
+                                           .at = seam,
+                                           .n = n,
+                                           .vectors = n,
+                                           .x = {gap, NULL}});
+    return status;
 }
 
 int drape_seam_state(const drape_world *world, int seam, double (*gap)[3],
                      double (*pull)[3])
 {
-    (void)world;
-    (void)seam;
-    (void)gap;
-    (void)pull;
-    return DRAPE_EARG;
+    return world ? world->ops->control.seam_state(world->world, seam, gap, pull)
+                 : DRAPE_EARG;
 }
 
 int drape_are_sewn(const drape_world *world, int64_t a, int64_t b)
 {
     int64_t n = world ? drape_triangles(world) : 0;
-    return a >= 0 && a < n && b >= 0 && b < n ? 0 : DRAPE_EARG;
+    if (a < 0 || a >= n || b < 0 || b >= n)
+        return DRAPE_EARG;
+    return world->ops->control.sewn(world->world, (int32_t)a, (int32_t)b);
 }

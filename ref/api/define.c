@@ -457,8 +457,6 @@ static void check_world(struct check *c, const drape_def *def)
         fail_check(c, DRAPE_EARG,
                    "seams need contacts that are solved with the cloths, not "
                    "response impulses");
-    if (def->n_seams > 0)
-        fail_check(c, DRAPE_EARG, "seams are not simulated yet");
 }
 
 /* Checks all sizes, before any array is read, so that none of their products

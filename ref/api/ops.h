@@ -36,6 +36,12 @@ struct control_ops {
     int (*obstacle)(struct world *w, int obstacle, struct given x);
     int (*pose)(struct world *w, int obstacle, const drape_motion *motion);
     int (*fetch)(struct world *w, void *host, const void *there, size_t bytes);
+    int64_t (*seam_points)(const struct world *w, int seam); /* -1: none */
+    int (*seam_target)(struct world *w, int seam, int64_t n,
+                       const double (*gap)[3]);
+    int (*seam_state)(const struct world *w, int seam, double (*gap)[3],
+                      double (*pull)[3]);
+    bool (*sewn)(const struct world *w, int32_t a, int32_t b);
 };
 
 /* The functions that the API calls, of one precision and one backend. */

@@ -22,6 +22,7 @@ enum record_kind {
     RECORD_CLOTH,      /* n: bytes; at: record_mark(n) */
     RECORD_MESH,       /* an obstacle, likewise */
     RECORD_REMOVE,     /* body `at` */
+    RECORD_SEAM,       /* seam `at`, of n points: n vectors, or none */
     RECORD_KINDS
 };
 

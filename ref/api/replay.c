@@ -24,6 +24,12 @@ static int64_t vertices_of(const drape_world *world, int64_t obstacle)
 static int64_t bytes_of(const drape_world *world, const struct record_head *h)
 {
     int64_t nv = drape_vertices(world), n = h->n;
+    if (h->kind == RECORD_SEAM) {
+        bool fits =
+            h->at >= 0 && h->at <= INT32_MAX && n > 0 &&
+            n == world->ops->control.seam_points(world->world, (int)h->at);
+        return !fits ? -1 : h->bytes ? 24 * n : 0;
+    }
     if (is_body(h))
         return n > 0 && h->at == record_mark(n) ? n : -1;
     if (h->at < 0 || n < 0 || h->at > nv || (n > nv && h->kind != RECORD_STEP))
@@ -113,6 +119,8 @@ static int repeat_call(drape_world *world, const struct record_head *h,
         return drape_set_obstacle(world, k, x);
     case RECORD_REMOVE:
         return drape_remove(world, k);
+    case RECORD_SEAM:
+        return drape_seam_target(world, k, h->bytes ? x : NULL);
     default:
         return pose_again(world, k, data);
     }

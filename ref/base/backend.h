@@ -18,6 +18,8 @@ struct dynamics;
 struct joint;
 struct jumps;
 struct response;
+struct seam;
+struct seam_point;
 struct sheet;
 struct shift;
 struct wake;

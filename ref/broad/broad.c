@@ -277,6 +277,10 @@ static int find_candidates(struct broad *b)
                          .r = b->r,
                          .tri = b->tree.tri,
                          .own = b->tree.own,
+                         .n_start = b->n_start,
+                         .n_sewn = b->n_sewn,
+                         .start = b->start,
+                         .sewn = b->sewn,
                          .both = b->both.data};
     if (!b->n_both)
         return DRAPE_OK;

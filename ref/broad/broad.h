@@ -35,8 +35,10 @@ struct broad {
     const uint8_t *awake; /* [nv] of the caller's: a query without `moved` finds
                              only pairs with a vertex whose flag is set, and all
                              others stay where they are; NULL: all are awake */
-    bool made;            /* since `awake` was set: boxes of the others */
-    int64_t n_inner;      /* inner nodes of cloth */
+    int64_t n_start, n_sewn; /* the caller's lists of features.md §5, 0: none */
+    const int32_t *start, *sewn;
+    bool made;       /* since `awake` was set: boxes of the others */
+    int64_t n_inner; /* inner nodes of cloth */
     struct tangents *tangents;
     struct apart apart; /* on the host */
 

@@ -27,6 +27,26 @@ static bool pair_moves(const struct features *s, int32_t a, int32_t b)
     return s->n_moved == 0 || (s->moved[a] | s->moved[b]);
 }
 
+/* §5: whether vertices a and b are sewn together. */
+static bool are_sewn(const struct features *s, int32_t a, int32_t b)
+{
+    for (int32_t k = s->start[a]; k < s->start[a + 1]; k++)
+        if (s->sewn[k] == b)
+            return true;
+    return false;
+}
+
+/* §5: whether one of n vertices a is sewn to one of m vertices b. */
+static bool is_sewn(const struct features *s, int n, const int32_t *a, int m,
+                    const int32_t *b)
+{
+    bool sewn = false;
+    for (int i = 0; i < n && s->n_start > 0; i++)
+        for (int j = 0; j < m && s->start[a[i]] < s->start[a[i] + 1]; j++)
+            sewn |= are_sewn(s, a[i], b[j]);
+    return sewn;
+}
+
 /* Tests the vertices of f against face g. Bit k of the result is set if vertex
  * k of f and face g are a candidate. */
 static int test_vertices(const struct features *s, real reach,
@@ -39,7 +59,8 @@ static int test_vertices(const struct features *s, real reach,
             continue;
         struct box b = box_vertex(s->x0, s->x1, v);
         if (box_meets(&b, &g->face, reach) &&
-            (pair_moves(s, v, g->v[0]) || pair_moves(s, g->v[1], g->v[2])))
+            (pair_moves(s, v, g->v[0]) || pair_moves(s, g->v[1], g->v[2])) &&
+            !is_sewn(s, 1, &v, 3, g->v))
             mask |= 1 << k;
     }
     return mask;
@@ -55,6 +76,7 @@ static int test_edges(const struct features *s, real reach,
     int mask = 0;
     for (int i = 0; i < 3; i++) {
         int32_t a = f->v[i], b = f->v[(i + 1) % 3];
+        const int32_t one[2] = {a, b};
         if (!(f->own >> (3 + i) & 1))
             continue;
         struct box e = box_edge(s->x0, s->x1, a, b);
@@ -66,8 +88,10 @@ static int test_edges(const struct features *s, real reach,
                 b == d)
                 continue;
             struct box h = box_edge(s->x0, s->x1, c, d);
+            const int32_t other[2] = {c, d};
             if (box_meets(&e, &h, reach) &&
-                (pair_moves(s, a, b) || pair_moves(s, c, d)))
+                (pair_moves(s, a, b) || pair_moves(s, c, d)) &&
+                !is_sewn(s, 2, one, 2, other))
                 mask |= 1 << (3 * i + j);
         }
     }

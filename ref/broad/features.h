@@ -15,6 +15,9 @@ struct features {
     int64_t n_moved;          /* nv, or 0: all vertices have moved */
     const uint8_t *moved;     /* [n_moved] not 0: the vertex has moved */
     const int32_t (*tri)[3];  /* [nt] vertices */
+    int64_t n_start, n_sewn;  /* nv + 1, or 0: no vertices are sewn together */
+    const int32_t *start;     /* [n_start] the list of each vertex in `sewn` */
+    const int32_t *sewn;      /* [n_sewn] vertices: §5 */
     const uint8_t *own;       /* [nt] bits, spec/broad/tree.md §4 */
     const int32_t (*both)[2]; /* [n] triangles */
     real r;                   /* m, 0 ≤ r ≤ 2^60 */

@@ -10,7 +10,7 @@ static int check_input(const struct coulomb *s)
     if (!(s->dt > 0 && s->tau > 0 && s->give >= 0 && s->reach >= 0 &&
           s->stiffest > 0) ||
         s->nc > s->nv || s->nv1 != s->nv + 1 || s->n4 != 4 * s->n ||
-        s->n4 > INT32_MAX)
+        s->n4 > INT32_MAX || s->seams < 0 || s->seams > s->n)
         return DRAPE_EARG;
     for (int64_t k = 0; k < s->n; k++)
         if (!pair_valid(s->contact[k].v, s->nv))
@@ -62,6 +62,22 @@ static void renew_multipliers(const struct coulomb *s, struct contact *c)
     c->rise = rise;
     c->lambda = c->load = c->impulse;
     c->lambda_t = cut_length(c->tangent, c->friction * c->impulse);
+}
+
+/* seam.md §2: pull and matrix of contact k, a point of a seam. */
+static void evaluate_seam(const struct coulomb *s, int64_t k)
+{
+    struct contact *c = &s->contact[k];
+    if (s->renews)
+        c->lambda_t = c->tangent;
+    vec lack =
+        vec_scale(s->dt / s->tau, vec_sub(c->n, pair_sum(c->v, c->c, s->u)));
+    c->tangent = vec_axpy(c->lambda_t, c->kappa, lack);
+    c->stiffness_n = c->stiffness_t = c->kappa;
+    c->coupling = !(c->kappa > 0)   ? CONTACT_APART
+                  : is_single(s, c) ? CONTACT_SINGLE
+                                    : CONTACT_MUTUAL;
+    s->next[k] = vec_axpy(c->tangent, c->kappa, lack);
 }
 
 /* §1, §2, §3.1: impulses and matrix of contact k. */
@@ -139,14 +155,17 @@ static sym bound_of(const struct coulomb *s, const struct contact *c, int j)
 /* The sums over the contacts of vertex i. */
 static void gather_vertex(const struct coulomb *s, int64_t i)
 {
-    vec force = vec_make(0, 0, 0), next = force, none = force;
+    vec force = vec_make(0, 0, 0), all = force, next = force, none = force;
+    int64_t contacts = s->n - s->seams;
     sym sum[2] = {{0, 0, 0, 0, 0, 0}, {0, 0, 0, 0, 0, 0}};
     for (int32_t k = s->start[i]; k < s->start[i + 1]; k++) {
         int64_t at = s->item[k] / 4;
         const struct contact *c = &s->contact[at];
         int j = s->item[k] % 4;
         vec push = vec_axpy(c->tangent, c->impulse, c->n);
-        force = vec_axpy(force, c->c[j], push);
+        all = vec_axpy(all, c->c[j], push);
+        if (at < contacts)
+            force = vec_axpy(force, c->c[j], push);
         next = vec_axpy(next, c->c[j], s->next[at]);
         if (!c->coupling)
             continue;
@@ -159,7 +178,7 @@ static void gather_vertex(const struct coulomb *s, int64_t i)
     if (i >= s->nc)
         return;
     bool free = s->w[i] > 0;
-    s->inner[i] = free ? vec_add(s->rest[i], force) : none;
+    s->inner[i] = free ? vec_add(s->rest[i], all) : none;
     s->outer[i] = free ? vec_add(s->rest[i], next) : none;
 }
 
@@ -178,8 +197,12 @@ int ref_coulomb(struct coulomb *s)
     if (s->lists)
         ref_incidence(&by);
     EACH_ITEM
-    for (int64_t k = 0; k < s->n; k++)
-        evaluate_contact(s, k);
+    for (int64_t k = 0; k < s->n; k++) {
+        if (k < s->n - s->seams)
+            evaluate_contact(s, k);
+        else
+            evaluate_seam(s, k);
+    }
     EACH_ITEM
     for (int64_t i = 0; i < s->nv; i++)
         gather_vertex(s, i);

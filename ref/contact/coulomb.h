@@ -21,11 +21,13 @@ struct coulomb {
     real dt, tau;      /* s, > 0: the slice, and the integrator's effective
                           step */
     real stiffest;     /* kg, > 0: no κ grows beyond */
-    real give;  /* 1/(kg m), ≥ 0: compliance of a contact over its gap */
-    real reach; /* m, ≥ 0: no thickness is larger */
-    int renews; /* 1: the multipliers become the impulses of the last call */
-    int closes; /* 1: N becomes the normal impulse of this call */
-    int lists;  /* 1: the contacts are others than in the call before */
+    real give;     /* 1/(kg m), ≥ 0: compliance of a contact over its gap */
+    real reach;    /* m, ≥ 0: no thickness is larger */
+    int renews;    /* 1: the multipliers become the impulses of the last call */
+    int64_t seams; /* 0 … n: the last so many contacts are points of seams,
+                      whose n is the target in m/s; seam.md §2 */
+    int closes;    /* 1: N becomes the normal impulse of this call */
+    int lists;     /* 1: the contacts are others than in the call before */
     struct contact *contact; /* [n] inout; carry.md has set them up */
 
     int64_t nv1, n4; /* nv + 1, 4 n */

@@ -4,6 +4,7 @@
 #include "ref/contact/lagrange.h"
 
 #include "ref/base/clock.h"
+#include "ref/base/prescribed.h"
 #include "ref/base/sum.h"
 #include "ref/cloth/motion.h"
 #include "ref/contact/carry.h"
@@ -118,7 +119,8 @@ static void evaluate_contacts(struct loop *s, bool lists, bool renews)
 {
     struct world *w = s->w;
     struct coulomb *law = &s->a->law;
-    law->n = w->response.active;
+    law->seams = w->seams.n;
+    law->n = w->response.active + law->seams;
     law->n4 = 4 * law->n;
     law->contact = contacts_of(s);
     law->rest = s->a->rest;
@@ -354,13 +356,63 @@ static void carry_multipliers(struct loop *s)
 {
     struct world *w = s->w;
     struct carry c = carry_of(s);
-    note_status(s, w->run->unknowns_room(w, c.n));
+    note_status(s, w->run->unknowns_room(w, c.n + w->seams.n));
     if (s->status == DRAPE_OK)
         note_status(s, w->run->carry(w->on, &c));
     if (s->status != DRAPE_OK)
         return;
     w->run->trace(w->on, w->tracing, "carry", c.contact,
                   (size_t)c.n * sizeof *c.contact);
+}
+
+/* seam.md §2: the points of all seams, as contacts behind the active set. */
+static struct seam seams_of(const struct loop *s)
+{
+    const struct world *w = s->w;
+    return (struct seam){.n = w->seams.n,
+                         .point = w->seams.point,
+                         .x0 = w->x0,
+                         .w = w->w,
+                         .target = w->seams.next,
+                         .pull = w->seams.pull,
+                         .dt = s->a->law.dt,
+                         .tau = s->a->law.tau,
+                         .contact = contacts_of(s) + w->response.active,
+                         .next = w->seams.next};
+}
+
+static void open_seams(struct loop *s)
+{
+    struct world *w = s->w;
+    struct response *c = &w->response;
+    struct pool *pool = &c->contact[c->side];
+    struct blend way = {.n = w->seams.n,
+                        .from = w->seams.from,
+                        .to = w->seams.to,
+                        .part = slice_part(w),
+                        .x = w->seams.next};
+    if (c->active == 0 && pool->cap < w->seams.n)
+        note_status(s, w->run->grow(w->on, pool, ARENA_RESPONSE, w->seams.n,
+                                    sizeof(struct contact), true));
+    if (w->seams.n == 0 || s->status != DRAPE_OK)
+        return;
+    w->run->prescribed_blend(w->on, &way);
+    struct seam points = seams_of(s);
+    w->run->seam_open(w->on, &points);
+    w->run->trace(w->on, w->tracing, "seams", points.contact,
+                  (size_t)points.n * sizeof *points.contact);
+}
+
+/* Copies the points from behind the active set to where they outlast a change
+ * of it, or back. */
+static void set_aside_seams(struct loop *s, bool back)
+{
+    const struct world *w = s->w;
+    struct contact *there = contacts_of(s) + w->response.active;
+    struct contact *here = w->seams.aside;
+    if (w->seams.n > 0 && s->status == DRAPE_OK)
+        w->run->copy(w->on, back ? there : here, back ? here : there,
+                     (size_t)w->seams.n * sizeof *here);
 }
 
 /* §2: within which distance on the way pairs are looked for: 0 if no vertex
@@ -386,7 +438,9 @@ static bool find_met(struct loop *s)
     s->clean = loop_continues(s) && c->hits == 0;
     if (!loop_continues(s) || (s->clean && c->arrivals == 0))
         return false;
+    set_aside_seams(s, false);
     note_status(s, response_join(c));
+    set_aside_seams(s, true);
     if (s->clean && c->active == before)
         return false; /* what arrives had contacts already */
     if (s->status == DRAPE_OK)
@@ -505,6 +559,8 @@ static bool find_contacts(struct loop *s, const struct pairs *close)
     note_status(s, response_find_close(c, close));
     if (s->status == DRAPE_OK)
         carry_multipliers(s);
+    if (s->status == DRAPE_OK)
+        open_seams(s);
     if (w->lagrange.begun || !loop_continues(s))
         return loop_continues(s);
     bool met = find_met(s); /* the cloths have moved already */
@@ -575,6 +631,10 @@ static void finish_loop(struct loop *s)
         return;
     w->run->trace(w->on, w->tracing, "retain", r.kept,
                   (size_t)n * sizeof *r.kept);
+    if (w->seams.n > 0) {
+        struct seam points = seams_of(s);
+        w->run->seam_close(w->on, &points);
+    }
     a->n_kept[1] = n;
     a->struck = a->jump && n > 0;
     if (a->struck)
@@ -627,6 +687,11 @@ void lagrange_commit(struct world *w)
 {
     struct lagrange *a = &w->lagrange;
     struct pool kept = a->kept[0];
+    if (a->solved && w->seams.n > 0) {
+        vec *pull = w->seams.pull;
+        w->seams.pull = w->seams.next;
+        w->seams.next = pull;
+    }
     a->kept[0] = a->kept[1];
     a->kept[1] = kept;
     a->n_kept[0] = a->n_kept[1];

@@ -10,6 +10,50 @@
 
 struct pairs;
 
+/* seam.md §3: κ, of the stretch of the weaker cloth. */
+#define SEAM_SOFT R(0.1)
+
+/* What a point holds together: Σ c u is u[v0] - (c1 u[v1] + c2 u[v2]). */
+struct seam_point {
+    int32_t v[3];   /* vertices: the particle, and the two of its place */
+    real c[2];      /* weights of the place, ≥ 0, which add to 1 exactly */
+    real stiffness; /* N/m, of seam.md §3 */
+};
+
+/* The seams of a world. first and cloth lie on the host, all other
+ * arrays in the memory of the backend. */
+struct seams {
+    int count;                      /* seams */
+    int64_t n;                      /* points of all seams */
+    int64_t *first;                 /* [count + 1] first point of each */
+    int (*cloth)[2];                /* [count] */
+    const struct seam_point *point; /* [n] */
+    vec *from, *to; /* [n] m, targets at the start and the end of a step */
+    vec *pull;      /* [n] N, on the particle, at the start of the slice */
+    vec *next;      /* [n] N, at its end; scratch before that */
+    struct contact *aside; /* [n] scratch: items, while contacts change */
+
+    /* seam.md §5: the particles that are sewn to vertex i are those at start[i]
+     * … start[i + 1] - 1 of `sewn`, ascending. */
+    int64_t n_start, n_sewn; /* nv + 1, or 0 where there is no seam */
+    const int32_t *start;    /* [n_start] */
+    const int32_t *sewn;     /* [n_sewn] */
+};
+
+/* The points at the start of a slice, which become contacts of coulomb.md; and
+ * what the loop found. */
+struct seam {
+    int64_t n;
+    const struct seam_point *point; /* [n] */
+    const vec *x0;                  /* [nv] m */
+    const real *w;                  /* [nv] 1/kg */
+    const vec *target;       /* [n] m, the gap asked for at the slice's end */
+    const vec *pull;         /* [n] N */
+    real dt, tau;            /* s */
+    struct contact *contact; /* [n] out of seam_open */
+    vec *next;               /* [n] N, out of seam_close */
+};
+
 struct lagrange {
     struct coulomb law;  /* its streams; contacts are the response's */
     struct joint joint;  /* the linear systems */

@@ -199,11 +199,11 @@ static int find_impulses(struct response *s, int pool, int64_t n, int side)
     m.key = s->key[0].data;
     m.spare = s->key[1].data;
     do {
-        m.cap = to->cap;
+        m.cap = to->cap > s->seams ? to->cap - s->seams : 0;
         m.contact = to->data;
         status = s->run->impulses(s->on, &m);
     } while (status == DRAPE_EFULL &&
-             (status = grow_contacts(s, to, m.found)) == DRAPE_OK);
+             (status = grow_contacts(s, to, m.found + s->seams)) == DRAPE_OK);
     if (status != DRAPE_OK)
         return status;
     s->side = side;

@@ -44,10 +44,12 @@ struct response {
      * touched[i] (NULL: every pair). DRAPE_OK or an error. */
     int (*broad)(void *user, const uint8_t *touched, struct pairs *out);
     void *user;
-    real reach;  /* m, ≥ 0: broad also finds the pairs that may come so near,
-                    of a detection in which something may arrive */
-    bool solves; /* contacts of repulsion take part in an implicit solve
-                    (lagrange.md), and stay in the active set */
+    real reach; /* m, ≥ 0: broad also finds the pairs that may come so near,
+                   of a detection in which something may arrive */
+    int64_t seams; /* ≥ 0: contacts for which a pool has room behind the active
+                      set */
+    bool solves;   /* contacts of repulsion take part in an implicit solve
+                      (lagrange.md), and stay in the active set */
 
     struct trace *trace; /* NULL: none */
 

@@ -4,6 +4,7 @@
 #include "ref/control/control.h"
 
 #include "ref/base/change.h"
+#include "ref/seam/seam.h"
 #include "ref/sleep/sleep.h"
 #include "ref/world/air.h"
 #include "ref/world/ending.h"
@@ -107,6 +108,7 @@ int control_material(struct world *w, int cloth, const drape_material *m)
     }
     s->made.material = *m;
     control_tell_cloth(w, cloth);
+    sew_stiffen(w);
     sleep_wake(w);
     return w->run->status(w->on);
 }
@@ -118,6 +120,8 @@ int control_material(struct world *w, int cloth, const drape_material *m)
 static void forget_history(struct world *w)
 {
     w->lagrange.n_kept[0] = w->lagrange.n_resting = 0;
+    w->run->clear(w->on, w->seams.pull,
+                  (size_t)w->seams.n * sizeof *w->seams.pull);
     w->past = 0;
     w->nearness = NEAR_NONE;
     w->list.known = false;

@@ -33,6 +33,19 @@ int control_obstacle(struct world *w, int obstacle, struct given x);
 /* §5 `motion` has one key. Also DRAPE_EARG for an obstacle with frames. */
 int control_pose(struct world *w, int obstacle, const drape_motion *motion);
 
+/* seam.md §4: the points of a seam; -1: there is no such seam. */
+int64_t control_seam_points(const struct world *w, int seam);
+/* Sets the targets of a seam of n points. gap: [n], NULL: 0. DRAPE_OK,
+ * DRAPE_EARG, DRAPE_EDATA or DRAPE_EDEVICE. */
+int control_seam_target(struct world *w, int seam, int64_t n,
+                        const double (*gap)[3]);
+/* Reads a seam; gap and pull may be NULL. DRAPE_OK, DRAPE_EARG, DRAPE_EDEVICE.
+ */
+int control_seam_state(const struct world *w, int seam, double (*gap)[3],
+                       double (*pull)[3]);
+/* seam.md §5: whether triangles a and b of the scene are sewn together. */
+bool control_are_sewn(const struct world *w, int32_t a, int32_t b);
+
 /* Copies bytes from the backend's memory to the host. DRAPE_OK or
  * DRAPE_EDEVICE. */
 int control_fetch(struct world *w, void *host, const void *there, size_t bytes);
@@ -68,10 +81,14 @@ int control_inherit(struct world *w, const struct edited *edited);
     {                                                                          \
         control_gravity, control_material, control_positions,                  \
             control_velocities, control_pins, control_obstacle, control_pose,  \
-            control_fetch                                                      \
+            control_fetch, control_seam_points, control_seam_target,           \
+            control_seam_state, control_are_sewn                               \
     }
 
 /* For the files of live control alone. */
+
+/* A step has ended: the targets of seams are where the next one starts. */
+void control_end_seams(struct world *w);
 
 /* Takes the streams of §3. Some may have been taken by an earlier call that
  * then ran out of memory. DRAPE_OK or DRAPE_ENOMEM. */

@@ -42,8 +42,10 @@ void control_begin(struct world *w)
 
 void control_end(struct world *w, bool failed)
 {
-    if (!failed)
+    if (!failed) {
         w->targets.armed = false;
+        control_end_seams(w);
+    }
     w->list.known = !failed;
 }
 

@@ -80,6 +80,18 @@ static void find_energies(struct world *w, struct tally *part)
     }
 }
 
+/* What is sewn together is one island. */
+static void join_sewn(const struct world *w, int32_t *of)
+{
+    for (int k = 0; k < w->seams.count; k++) {
+        int32_t a = of[w->seams.cloth[k][0]], b = of[w->seams.cloth[k][1]];
+        int32_t least = a < b ? a : b;
+        for (int j = 0; j < w->def.n_cloths && a != b; j++)
+            if (of[j] == a || of[j] == b)
+                of[j] = least;
+    }
+}
+
 int conserve_find_islands(struct world *w, bool one, int32_t *label,
                           int32_t *of)
 {
@@ -94,10 +106,12 @@ int conserve_find_islands(struct world *w, bool one, int32_t *label,
     one |= cloths == 1;
     for (int k = 0; k < cloths; k++)
         of[k] = one ? 0 : k;
-    if (one || !w->met)
-        return DRAPE_OK;
-    int status = w->run->islands(w->on, &s);
-    w->run->fetch(w->on, of, label, (size_t)cloths * sizeof *of);
+    int status = DRAPE_OK;
+    if (!one && w->met) {
+        status = w->run->islands(w->on, &s);
+        w->run->fetch(w->on, of, label, (size_t)cloths * sizeof *of);
+    }
+    join_sewn(w, of);
     return status;
 }
 

@@ -110,6 +110,14 @@ static uint64_t mix_motion(uint64_t h, const drape_motion *m)
     return mix_array(h, m->rotation, m->keys, sizeof *m->rotation);
 }
 
+static uint64_t mix_seam(uint64_t h, const drape_seam *s)
+{
+    h = hash_mix(h, s->cloth, sizeof s->cloth);
+    h = mix_array(h, s->particle, s->n, sizeof *s->particle);
+    h = mix_array(h, s->onto, s->n, sizeof *s->onto);
+    return mix_array(h, s->part, s->n, sizeof *s->part);
+}
+
 uint64_t checkpoint_fingerprint(const drape_def *d, uint64_t *print)
 {
     /* Backend, threads, block, stream, allocators, log and trace are left out:
@@ -134,6 +142,8 @@ uint64_t checkpoint_fingerprint(const drape_def *d, uint64_t *print)
     h = hash_mix(h, print, (size_t)bodies * sizeof *print);
     for (int k = 0; k < d->n_motions; k++)
         h = mix_motion(h, &d->motions[k]);
+    for (int k = 0; k < d->n_seams; k++)
+        h = mix_seam(h, &d->seams[k]);
     return h;
 }
 

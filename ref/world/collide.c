@@ -116,6 +116,7 @@ static int start_contacts(struct world *w)
     c->stop_before_zones = slice_can_retry(w);
     c->max_rounds = slice_rounds(w);
     c->solves = w->plan.solves;
+    c->seams = w->seams.n;
     c->range = w->plan.solves ? RANGE : 1;
     return response_start(c);
 }
@@ -141,7 +142,7 @@ static int test_alone(struct world *w, bool *alone)
 {
     response_reset(&w->response);
     *alone = false;
-    if (w->nearness != NEAR_NONE)
+    if (w->nearness != NEAR_NONE || w->seams.n > 0)
         return DRAPE_OK;
     int status = find_near(w, w->x1, RANGE * w->reach);
     *alone = w->broad.n == 0;

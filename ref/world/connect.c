@@ -78,6 +78,10 @@ static int make_broad(struct world *w, const drape_def *def)
                                w->x0};
     int status = broad_make(&w->broad, &scene, def->self_collision, w->arena);
     w->broad.trace = w->tracing;
+    w->broad.n_start = w->seams.n_start;
+    w->broad.n_sewn = w->seams.n_sewn;
+    w->broad.start = w->seams.start;
+    w->broad.sewn = w->seams.sewn;
     return status;
 }
 

@@ -8,6 +8,7 @@
 
 #include "ref/cloth/table.h"
 #include "ref/panel/panel.h"
+#include "ref/seam/seam.h"
 #include "ref/world/prescribe.h"
 
 static void *take_stream(struct world *w, enum arena_part part, int64_t n,
@@ -97,6 +98,7 @@ int fill_sizes(struct world *w, const drape_def *def, drape_error *error)
         w->nv += def->obstacles[k].n_vertices;
         w->nt += def->obstacles[k].n_triangles;
     }
+    sew_size(w, def);
     return DRAPE_OK;
 }
 
@@ -311,5 +313,5 @@ int fill_streams(struct world *w, const drape_def *def, drape_error *error)
         status = prescribe_positions(w, 0, w->x0);
     if (status == DRAPE_OK)
         memcpy(w->x1, w->x0, (size_t)w->nv * sizeof *w->x0);
-    return status;
+    return status == DRAPE_OK ? sew_fill(w, def, error) : status;
 }

@@ -37,7 +37,7 @@ struct plan plan_make(const drape_def *def)
     p.newton = newton_of(def);
     p.self = def->self_collision;
     p.obstacles = def->n_obstacles > 0;
-    p.collides = p.self || p.obstacles;
+    p.collides = p.self || p.obstacles || def->n_seams > 0;
     p.solves = p.implicit && p.collides && def->response == DRAPE_SOLVE;
     return p;
 }
@@ -84,6 +84,8 @@ int plan_rows(const struct world *w, drape_plan_row *row, int capacity)
         {"proximity", p->collides, "contact begins at the thickness", alone,
          ARENA_RESPONSE, true},
         {"narrow", p->collides, "exact, only for candidates", alone, 0, false},
+        {"seams", w->seams.n > 0, "points are sewn", "nothing is sewn", 0,
+         false},
         {"impulses", p->collides, "only for pairs that penetrate", alone, 0,
          false},
         {"zones", p->collides, "only if impulses do not suffice", alone, 0,

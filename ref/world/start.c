@@ -7,6 +7,7 @@
 #include "ref/cloth/advance.h"
 #include "ref/narrow/audit.h"
 #include "ref/narrow/sliver.h"
+#include "ref/seam/seam.h"
 
 static void *take_array(struct world *w, int64_t n, size_t size)
 {
@@ -50,7 +51,7 @@ struct start_pairs {
     int32_t from, to; /* of each pair one triangle is from … to - 1: the
  others are not wanted */
     int64_t all;      /* pairs of triangles with area, whatever `from` and
- `to` are */
+ `to` are, that no seam joins */
     int64_t found;    /* pairs of triangles with area; if there is none, 1 if
                          a triangle without area touches another triangle */
     int32_t first[2]; /* the first pair, ascending; triangles of the scene */
@@ -79,10 +80,13 @@ static int find_pairs(struct world *w, struct audit *s, struct start_pairs *p)
         s->pair = take_array(w, s->cap, sizeof *s->pair);
         status = s->pair ? ref_audit(s) : DRAPE_ENOMEM;
     }
-    p->all = s->found;
-    for (int64_t k = 0; k < s->found && status == DRAPE_OK; k++)
+    for (int64_t k = 0; k < s->found && status == DRAPE_OK; k++) {
+        if (sew_joins(w, s->pair[k][0], s->pair[k][1]))
+            continue;
+        p->all++;
         if (is_within(p, s->pair[k][0], s->pair[k][1]) && !p->found++)
             memcpy(p->first, s->pair[k], sizeof p->first);
+    }
     return status;
 }
 
@@ -100,7 +104,8 @@ static bool note_touch(void *user, int32_t other)
 {
     struct sliver *r = user;
     r->other = other;
-    if (!is_counted(r->w, r->t, other) || !is_within(r->p, r->t, other))
+    if (!is_counted(r->w, r->t, other) || !is_within(r->p, r->t, other) ||
+        sew_joins(r->w, r->t, other))
         return false;
     struct face face = ref_audit_face(r->s, other);
     return ref_sliver(&r->face, &face);

@@ -46,7 +46,7 @@ struct targets {
 enum nearness { NEAR_NONE, NEAR_PAIRS, NEAR_CONTACTS };
 
 /* The streams of vectors that a step leaves to the next. */
-enum { STATE_STREAMS = 5 };
+enum { STATE_STREAMS = 8 };
 
 /* A copy of the state at the start of the current step. `watch` lies on the
  * host, the other streams in the memory of the backend. */
@@ -113,6 +113,7 @@ struct world {
     real thinnest;       /* m, the smallest */
     real cell;           /* m, the smallest side of a cell of any cloth */
     double mass;         /* kg, of all cloths together */
+    struct seams seams;
     struct broad broad;
     struct response response;
     struct lagrange lagrange; /* the motion with contacts, of implicit
@@ -125,8 +126,9 @@ struct world {
     double time;
     enum nearness nearness; /* how near things came in the slice before */
     int64_t intersecting;   /* intersecting pairs of the state: step.md §11 */
-    int past;        /* 1 + level of the slice in past_x and past_v; 0: none */
-    double dt;       /* s, length of the current slice */
+    int64_t sewn; /* of the last step: pairs that a seam joins, if it counted */
+    int past;     /* 1 + level of the slice in past_x and past_v; 0: none */
+    double dt;    /* s, length of the current slice */
     bool prescribes; /* an obstacle or a pin moves in this slice */
     bool met;        /* contact may have changed x1, v1 in this slice */
     bool reported;   /* the caller gave a report to fill */
@@ -157,11 +159,15 @@ static inline struct state_list state_streams(const struct world *w)
 {
     struct world *own = (struct world *)w; /* a maker sets the members */
     int64_t past = w->plan.history ? w->nc : 0, rest = w->def.sleep ? w->nc : 0;
+    int64_t points = w->seams.n;
     struct state_list list = {{{&own->x0, w->nv},
                                {&own->v0, w->nv},
                                {&own->past_x, past},
                                {&own->past_v, past},
-                               {&own->anchor, rest}}};
+                               {&own->anchor, rest},
+                               {&own->seams.pull, points},
+                               {&own->seams.from, points},
+                               {&own->seams.to, points}}};
     return list;
 }
 

@@ -145,7 +145,7 @@ static int move_sheets(struct world *w, drape_step_report *r)
         if (sleep_awake(w, k))
             prepare_sheet(w, k);
     lagrange_forget(w);
-    if (w->plan.solves && w->nearness >= NEAR_CONTACTS)
+    if (w->plan.solves && (w->nearness >= NEAR_CONTACTS || w->seams.n > 0))
         return lagrange_begin(w);
     for (int k = 0; k < n && status == DRAPE_OK; k++)
         if (sleep_awake(w, k))
@@ -309,6 +309,7 @@ static int end_step(struct world *w, struct step *s)
     double energy[3] = {0};
     bool diverged = r->outcome & DRAPE_DIVERGED;
     int64_t found = w->intersecting;
+    w->sewn = 0;
     if (s->status == DRAPE_OK && !diverged && !s->asleep &&
         ending_doubtful(w, r->outcome))
         s->status = ending_count(w, w->x0, &found);

@@ -11,6 +11,8 @@ const struct field fields_features[] = {
     IN(features, tri, nt, 1),
     IN(features, own, nt, 1),
     IN(features, both, n, 1),
+    IN(features, start, n_start, 1),
+    IN(features, sewn, n_sewn, 1),
     SCRATCH(features, mask, n, 1),
     SCRATCH(features, sum, n, 2),
     OUT_USED(features, pair, cap, 1, n_pair),
@@ -18,6 +20,22 @@ const struct field fields_features[] = {
     OUT_VALUE(features, n_pair),
     OUT_VALUE(features, n_vf),
     FIELD_END};
+
+/* §5: lists of some vertices. */
+static void pick_sewn(struct bytes *b, struct features *s)
+{
+    enum { MOST = 4 };
+    s->n_start = pick(b, 3) == 0 && !for_bench(b) ? s->nv + 1 : 0;
+    int32_t *start = take(b, s->n_start, sizeof *start);
+    int32_t *sewn = take(b, s->n_start * MOST, sizeof *sewn);
+    for (int64_t v = 0; v + 1 < s->n_start; v++) {
+        for (uint32_t k = pick(b, 3) ? 0 : pick(b, MOST); k > 0; k--)
+            sewn[s->n_sewn++] = (int32_t)pick(b, (uint32_t)s->nv);
+        start[v + 1] = (int32_t)s->n_sewn;
+    }
+    s->start = start;
+    s->sewn = sewn;
+}
 
 void gen_features(struct bytes *b, struct features *s)
 {
@@ -46,6 +64,7 @@ void gen_features(struct bytes *b, struct features *s)
         }
     s->both = (const int32_t(*)[2])both;
     s->cap = pick(b, 8) ? 15 * s->n : s->n / 2;
+    pick_sewn(b, s);
 }
 
 static bool ordered(const struct features *s, int64_t k)
@@ -76,6 +95,17 @@ static bool stirred(const struct features *s, const int32_t v[4])
     return any;
 }
 
+/* §5: whether one of the first n of four vertices is sewn to another one. */
+static bool joined(const struct features *s, const int32_t v[4], int n)
+{
+    for (int i = 0; i < n && s->n_start; i++)
+        for (int32_t k = s->start[v[i]]; k < s->start[v[i] + 1]; k++)
+            for (int j = n; j < 4; j++)
+                if (s->sewn[k] == v[j])
+                    return true;
+    return false;
+}
+
 /* Counts the feature pairs that a pair of triangles represents, one by one. */
 static int64_t count_pair(const struct features *s, const int32_t both[2])
 {
@@ -88,7 +118,7 @@ static int64_t count_pair(const struct features *s, const int32_t both[2])
             struct box b = box_face(s->x0, s->x1, g);
             count += s->own[both[side]] >> k & 1 && v[0] != v[1] &&
                      v[0] != v[2] && v[0] != v[3] && stirred(s, v) &&
-                     box_meets(&a, &b, box_reach(s->r));
+                     !joined(s, v, 1) && box_meets(&a, &b, box_reach(s->r));
         }
     }
     const int32_t *f = s->tri[both[0]], *g = s->tri[both[1]];
@@ -99,7 +129,8 @@ static int64_t count_pair(const struct features *s, const int32_t both[2])
         struct box b = box_edge(s->x0, s->x1, v[2], v[3]);
         count += s->own[both[0]] >> (3 + i) & s->own[both[1]] >> (3 + j) & 1 &&
                  v[0] != v[2] && v[0] != v[3] && v[1] != v[2] && v[1] != v[3] &&
-                 stirred(s, v) && box_meets(&a, &b, box_reach(s->r));
+                 stirred(s, v) && !joined(s, v, 2) &&
+                 box_meets(&a, &b, box_reach(s->r));
     }
     return count;
 }

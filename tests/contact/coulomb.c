@@ -91,6 +91,31 @@ static void make_lists(struct bytes *b, struct coulomb *s)
         ref_incidence(&by);
 }
 
+/* seam.md §2: the last contacts become points of seams, as stage coulomb may
+ * have left them. */
+static void pick_seams(struct bytes *b, struct coulomb *s)
+{
+    s->seams =
+        pick(b, 4) == 0 && !for_bench(b) ? pick(b, (uint32_t)s->n + 1) : 0;
+    for (int64_t k = s->n - s->seams; k < s->n; k++) {
+        struct contact *c = &s->contact[k];
+        real part = pick(b, 4) ? pick_uniform(b, 0, R(0.5)) : 0;
+        real kappa = c->kappa;
+        int32_t coupling = c->coupling;
+        contact_clear(c);
+        c->kind = CONTACT_VF;
+        c->c[0] = 1;
+        c->c[1] = part - 1;
+        c->c[2] = -part;
+        c->c[3] = 0;
+        c->n = pick_vec(b, pick(b, 4) ? R(0.01) : R(10.0));
+        c->lambda_t = pick_vec(b, R(0.01));
+        c->tangent = pick_vec(b, R(0.01));
+        c->kappa = kappa;
+        c->coupling = coupling;
+    }
+}
+
 void gen_coulomb(struct bytes *b, struct coulomb *s)
 {
     struct contacts c = {0};
@@ -123,6 +148,7 @@ void gen_coulomb(struct bytes *b, struct coulomb *s)
     s->rest = rest;
     for (int64_t k = 0; k < s->n; k++)
         pick_state(b, s, &s->contact[k]);
+    pick_seams(b, s);
     make_lists(b, s);
 }
 
@@ -298,21 +324,44 @@ static const char *check_matrix(const struct coulomb *s,
     return NULL;
 }
 
+/* seam.md §2: the pull of a point is λ + κ (a - t), its matrix is κ. */
+static const char *check_seam(const struct coulomb *s, const struct contact *c)
+{
+    struct wide a = wide_of(c->n);
+    double span = (double)(s->dt / s->tau), kappa = (double)c->kappa;
+    double size = length(a);
+    for (int j = 0; j < 4; j++) {
+        struct wide u = wide_of(s->u[c->v[j]]);
+        a = wide_axpy(a, -(double)c->c[j], u);
+        size += fabs((double)c->c[j]) * length(u);
+    }
+    struct wide pull = wide_axpy(wide_of(c->lambda_t), kappa * span, a);
+    size = kappa * span * size + length(wide_of(c->lambda_t));
+    struct wide off = wide_sub(wide_of(c->tangent), pull);
+    EXPECT(length(off) <= 32 * unit * size + least);
+    EXPECT(c->impulse == 0 && c->stiffness_n == c->kappa &&
+           c->stiffness_t == c->kappa && vec_length(c->way) == 0);
+    EXPECT(c->coupling == (!(c->kappa > 0)     ? CONTACT_APART
+                           : moving(s, c) == 1 ? CONTACT_SINGLE
+                                               : CONTACT_MUTUAL));
+    return NULL;
+}
+
 /* The impulse of contact c on side A. */
 static struct wide push_of(const struct contact *c)
 {
     return wide_axpy(wide_of(c->tangent), (double)c->impulse, wide_of(c->n));
 }
 
-/* §3: the forces are Σ c (p n + pt) where vertices are free. sum, size: [nv],
- * 0. */
+/* §3: the forces are Σ c (p n + pt) where vertices are free, of all contacts
+ * but the points of seams. sum, size: [nv], 0. */
 static const char *check_forces(const struct coulomb *s, struct wide *sum,
                                 double *size)
 {
     struct wide total = {0, 0, 0};
     double all = 0, skew = 0;
     bool free_all = true;
-    for (int64_t k = 0; k < s->n; k++) {
+    for (int64_t k = 0; k < s->n - s->seams; k++) {
         const struct contact *c = &s->contact[k];
         struct wide push = push_of(c);
         double one = (double)c->impulse + length(wide_of(c->tangent));
@@ -348,8 +397,14 @@ static const char *check_residual(const struct coulomb *s)
 {
     for (int64_t i = 0; i < s->nc; i++) {
         vec r = s->inner[i], o = s->outer[i];
-        vec sum = vec_add(s->rest[i], s->force[i]);
-        EXPECT(s->w[i] > 0 ? !memcmp(&r, &sum, sizeof r)
+        vec sum = s->force[i];
+        for (int32_t k = s->start[i]; k < s->start[i + 1]; k++)
+            if (s->item[k] / 4 >= s->n - s->seams)
+                sum =
+                    vec_axpy(sum, s->contact[s->item[k] / 4].c[s->item[k] % 4],
+                             s->contact[s->item[k] / 4].tangent);
+        sum = vec_add(s->rest[i], sum);
+        EXPECT(s->w[i] > 0 ? r.x == sum.x && r.y == sum.y && r.z == sum.z
                            : r.x == 0 && r.y == 0 && r.z == 0);
         EXPECT(s->w[i] > 0 || (o.x == 0 && o.y == 0 && o.z == 0));
     }
@@ -377,6 +432,10 @@ static double slack(const struct coulomb *s, bool walls, double *size)
                 sum = wide_axpy(sum, (double)c->c[j], x);
         }
         double along = wide_dot(n, sum), way = wide_dot(z, sum);
+        if (k >= s->n - s->seams) {
+            own += (double)c->kappa * wide_dot(sum, sum);
+            continue;
+        }
         own += (double)c->stiffness_n * along * along;
         own += (double)c->stiffness_t *
                (wide_dot(sum, sum) - along * along - way * way);
@@ -451,7 +510,10 @@ static const char *check_renewed(const struct coulomb *s, int32_t *grown)
     int status = ref_coulomb(&again);
     for (int64_t k = 0; k < s->n && !failed; k++) {
         const struct contact *was = &s->contact[k], *is = &again.contact[k];
-        failed = check_renewal(s, was, is);
+        if (k < s->n - s->seams)
+            failed = check_renewal(s, was, is);
+        else if (memcmp(&is->lambda_t, &was->tangent, sizeof was->tangent))
+            failed = "coulomb: a renewed multiplier is not the pull";
         for (int j = 0; j < 4; j++)
             grown[was->v[j]] += was->kappa != is->kappa;
     }
@@ -490,6 +552,9 @@ static const char *check_refusals(const struct coulomb *s)
     struct coulomb wrong = *s;
     wrong.nc = s->nv + 1;
     EXPECT(ref_coulomb(&wrong) == DRAPE_EARG);
+    wrong = *s;
+    wrong.seams = s->n + 1;
+    EXPECT(ref_coulomb(&wrong) == DRAPE_EARG);
     return NULL;
 }
 
@@ -498,7 +563,9 @@ static const char *check_all(const struct coulomb *s, struct wide *sum,
                              double *size, int32_t *grown)
 {
     const char *failed = check_refusals(s);
-    for (int64_t k = 0; k < s->n && !failed; k++) {
+    for (int64_t k = s->n - s->seams; k < s->n && !failed; k++)
+        failed = check_seam(s, &s->contact[k]);
+    for (int64_t k = 0; k < s->n - s->seams && !failed; k++) {
         failed = check_push(s, &s->contact[k]);
         failed = failed ? failed : check_closed(s, &s->contact[k]);
         failed = failed ? failed : check_drag(s, &s->contact[k]);

@@ -22,6 +22,9 @@ struct scene {
     double corner[ROOM][3], frame[ROOM][3], frame_time[ROOM];
     int32_t tri[ROOM][3];
     double time[ROOM], position[ROOM][3], rotation[ROOM][4];
+    drape_seam seam[SPARE];
+    int32_t particle[SPARE], onto[SPARE][2];
+    double part[SPARE];
     struct recall saved; /* checkpoint of the unchanged definition */
 };
 
@@ -96,6 +99,21 @@ static void fill_obstacles(struct scene *s)
     s->obstacle[1].frame_time = s->frame_time;
 }
 
+/* Two points each: a row of cloth 1 on another row of it. */
+static void fill_seams(struct scene *s)
+{
+    for (int k = 0; k < SPARE; k++) {
+        s->particle[k] = SIDE * (SIDE - 1) + k;
+        s->onto[k][0] = k;
+        s->onto[k][1] = k + 1;
+        s->part[k] = 0.25;
+        s->seam[k] = (drape_seam){
+            {1, 1}, 2, s->particle, (const int32_t(*)[2])s->onto, s->part};
+    }
+    s->def.seams = s->seam;
+    s->def.n_seams = 2;
+}
+
 /* Makes the definition. It allows a start that intersects, so that few changed
  * definitions are invalid. */
 static void fill(struct scene *s)
@@ -106,6 +124,7 @@ static void fill(struct scene *s)
     fill_cloths(s);
     fill_motions(s);
     fill_obstacles(s);
+    fill_seams(s);
     d->precision = REAL_BITS;
     d->threads = 1;
     d->block = 256;
@@ -197,28 +216,35 @@ static const char *walk(struct scene *s, const struct walk *w)
 }
 
 /* Padding counts as free: a definition's fingerprint must not depend on it. */
-static const struct part def_skip[] = {PART(drape_def, cloths),
-                                       PART(drape_def, obstacles),
-                                       PART(drape_def, motions),
-                                       PART(drape_def, allocator),
-                                       PART(drape_def, device_allocator),
-                                       PART(drape_def, stream),
-                                       PART(drape_def, log),
-                                       PART(drape_def, log_user),
-                                       PART(drape_def, trace),
-                                       PART(drape_def, trace_user),
-                                       {0, 0}};
+static const struct part def_skip[] = {
+    PART(drape_def, cloths),     PART(drape_def, obstacles),
+    PART(drape_def, motions),    PART(drape_def, seams),
+    PART(drape_def, allocator),  PART(drape_def, device_allocator),
+    PART(drape_def, stream),     PART(drape_def, log),
+    PART(drape_def, log_user),   PART(drape_def, trace),
+    PART(drape_def, trace_user), {0, 0}};
 static const struct part def_free[] = {PART(drape_def, backend),
                                        PART(drape_def, threads),
                                        PART(drape_def, block),
                                        BETWEEN(drape_def, sleep, cloths),
                                        BETWEEN(drape_def, n_cloths, obstacles),
                                        BETWEEN(drape_def, n_obstacles, motions),
-                                       BETWEEN(drape_def, n_motions, allocator),
+                                       BETWEEN(drape_def, n_motions, seams),
+                                       BETWEEN(drape_def, n_seams, allocator),
                                        {0, 0}};
-/* Without a device on this machine these may have one valid value only. */
-static const struct part def_stiff[] = {
-    PART(drape_def, solver), PART(drape_def, backend), {0, 0}};
+/* Without a device on this machine the first two may have one valid value only.
+ * Seams need one response; others are tested without them. */
+static const struct part def_stiff[] = {PART(drape_def, solver),
+                                        PART(drape_def, backend),
+                                        PART(drape_def, response),
+                                        {0, 0}};
+static const struct part seam_skip[] = {PART(drape_seam, particle),
+                                        PART(drape_seam, onto),
+                                        PART(drape_seam, part),
+                                        {0, 0}};
+/* No cloth has 2^32 particles. */
+static const struct part seam_stiff[] = {
+    {offsetof(drape_seam, n) + 4, offsetof(drape_seam, n) + 8}, {0, 0}};
 static const struct part cloth_skip[] = {PART(drape_cloth, x),
                                          PART(drape_cloth, velocity),
                                          PART(drape_cloth, hole),
@@ -269,8 +295,10 @@ static const char *walk_structs(struct scene *s)
             {"drape_obstacle", &s->obstacle[k], sizeof s->obstacle[k], 4,
              obstacle_skip, obstacle_free, obstacle_stiff[k]},
             {"drape_motion", &s->motion[k], sizeof s->motion[k], 4, motion_skip,
-             motion_free, NULL}};
-        for (int i = 0; i < 3 && !failed; i++)
+             motion_free, NULL},
+            {"drape_seam", &s->seam[k], sizeof s->seam[k], 4, seam_skip, NULL,
+             seam_stiff}};
+        for (int i = 0; i < 4 && !failed; i++)
             failed = walk(s, &all[i]);
     }
     return failed;
@@ -292,6 +320,9 @@ static const char *walk_arrays(struct scene *s)
         {"frame", s->frame, 8 * sizeof *s->frame, 4, NULL, NULL, NULL},
         {"frame_time", s->frame_time, 2 * sizeof *s->frame_time, 4, NULL, NULL,
          NULL},
+        {"particle", s->particle, 2 * sizeof *s->particle, 4, NULL, NULL, NULL},
+        {"onto", s->onto, 2 * sizeof *s->onto, 4, NULL, NULL, NULL},
+        {"part", s->part, 2 * sizeof *s->part, 4, NULL, NULL, NULL},
         {"time", s->time, 2 * sizeof *s->time, 4, NULL, NULL, NULL},
         {"position", s->position, 2 * sizeof *s->position, 4, NULL, NULL, NULL},
         {"rotation", s->rotation, 2 * sizeof *s->rotation, 4, NULL, NULL,
@@ -328,6 +359,21 @@ static const char *drop_arrays(struct scene *s)
     return NULL;
 }
 
+/* Without seams the response may be another one. */
+static const char *change_response(struct scene *s)
+{
+    drape_world *world;
+    s->def.n_seams = 0;
+    EXPECT(try_load(s) == DRAPE_EMATCH);
+    EXPECT(drape_create(&s->def, &world, NULL) == DRAPE_OK);
+    bool saved = recall_save(world, &s->saved);
+    drape_destroy(world);
+    EXPECT(saved && try_load(s) == DRAPE_OK);
+    s->def.response = DRAPE_IMPULSES;
+    EXPECT(try_load(s) == DRAPE_EMATCH);
+    return NULL;
+}
+
 const char *test_checkpoint_fields(void)
 {
     static struct scene s;
@@ -339,5 +385,6 @@ const char *test_checkpoint_fields(void)
     EXPECT(try_load(&s) == DRAPE_OK);
     const char *failed = walk_structs(&s);
     failed = failed ? failed : walk_arrays(&s);
-    return failed ? failed : drop_arrays(&s);
+    failed = failed ? failed : drop_arrays(&s);
+    return failed ? failed : change_response(&s);
 }

@@ -20,6 +20,9 @@ struct scene {
     uint8_t hole[SIDE * SIDE], cut[SIDE * SIDE];
     double box_x[8][3], ground_x[4][3];
     struct random_panel panel[2];
+    drape_seam seam[2];
+    int32_t particle[2][SIDE], onto[2][SIDE][2];
+    double part[2][SIDE];
 };
 
 static const int32_t ground_tri[2][3] = {{0, 2, 1}, {1, 2, 3}};
@@ -282,6 +285,47 @@ const char *scene_panels(struct bytes *b, int64_t *steps)
     s.def.integrator = DRAPE_BW + (int)pick(b, 3);
     s.def.max_slices = 1 + (int)pick(b, 2);
     make_panel(b, &s, (int)pick(b, (uint32_t)s.def.n_cloths));
+    struct twin twin;
+    const char *failed = twin_run(&s.def, 3, &twin);
+    *steps = twin.steps;
+    return failed;
+}
+
+/* Seam k sews the first row of a cloth to the last one of a cloth, from some
+ * point on. */
+static void pick_seam(struct bytes *b, struct scene *s, int k)
+{
+    drape_seam *to = &s->seam[k];
+    uint32_t cloths = (uint32_t)s->def.n_cloths;
+    int a = (int)pick(b, cloths), c = (int)pick(b, cloths);
+    int m = s->cloth[a].m, other = s->cloth[c].m;
+    int32_t last = s->cloth[c].m * (s->cloth[c].n - 1);
+    *to = (drape_seam){{a, c},
+                       1 + (int)pick(b, (uint32_t)m),
+                       s->particle[k],
+                       (const int32_t(*)[2])s->onto[k],
+                       s->part[k]};
+    for (int i = 0; i < to->n; i++) {
+        int at = i < other - 1 ? i : other - 2;
+        s->particle[k][i] = i;
+        s->onto[k][i][0] = last + at;
+        s->onto[k][i][1] = last + at + (int)pick(b, 2);
+        s->part[k][i] =
+            pick(b, 3) ? (double)pick_uniform(b, 0, 1) : 0.5 * pick(b, 3);
+    }
+}
+
+const char *scene_seams(struct bytes *b, int64_t *steps)
+{
+    static struct scene s;
+    pick_scene(b, &s);
+    s.def.integrator = DRAPE_BW + (int)pick(b, 3);
+    s.def.max_slices = 1 + (int)pick(b, 2);
+    s.def.seams = s.seam;
+    s.def.n_seams = 1 + (int)pick(b, 2);
+    s.def.self_collision = pick(b, 4) > 0;
+    for (int k = 0; k < s.def.n_seams; k++)
+        pick_seam(b, &s, k);
     struct twin twin;
     const char *failed = twin_run(&s.def, 3, &twin);
     *steps = twin.steps;

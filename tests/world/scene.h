@@ -18,6 +18,9 @@ const char *scene_twins(struct bytes *b, int64_t *steps);
  * implicit integrator. */
 const char *scene_panels(struct bytes *b, int64_t *steps);
 
+/* The same with seams, of random points. */
+const char *scene_seams(struct bytes *b, int64_t *steps);
+
 /* The number of intersecting pairs that involve cloth, by the exact audit. */
 int64_t scene_audit(const drape_world *world, int n_cloths);
 

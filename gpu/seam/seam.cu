@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The points of seams on the device: ref/seam/seam.c. spec/seam/seam.md */
+#include "gpu/contact/contact.cuh"
+
+extern "C" {
+#include "gpu/run/backend.h"
+#include "ref/contact/carry.h"
+#include "ref/contact/lagrange.h"
+}
+
+/* §1: the gap of a point. */
+static __device__ vec gap_of(const struct seam_point *p, const vec *x)
+{
+    vec a = sub(x[p->v[0]], x[p->v[1]]), b = sub(x[p->v[0]], x[p->v[2]]);
+    return axpy(scale(p->c[0], a), p->c[1], b);
+}
+
+/* Thread k owns point k. */
+KERNEL seam_gap_kernel(int64_t n, const struct seam_point *point, const vec *x,
+                       vec *gap)
+{
+    ITEM(k, n);
+    gap[k] = gap_of(&point[k], x);
+}
+
+void gpu_seam_gap(struct gpu *g, int64_t n, const struct seam_point *point,
+                  const vec *x, vec *gap)
+{
+    LAUNCH(g, n, seam_gap_kernel, n, point, x, gap);
+}
+
+/* §3 */
+static __device__ real kappa_of(const struct seam *s, const struct contact *c,
+                                real stiffness)
+{
+    real y = 0;
+    for (int j = 0; j < 3; j++)
+        y += c->c[j] * c->c[j] * s->w[c->v[j]];
+    return y > 0 ? max_of(stiffness * s->tau * s->tau, CARRY_KAPPA / y)
+                 : R(0.0);
+}
+
+/* Thread k owns point k: writes its contact. */
+KERNEL seam_open_kernel(const struct seam &s)
+{
+    ITEM(k, s.n);
+    const struct seam_point *p = &s.point[k];
+    struct contact c = {};
+    c.kind = CONTACT_VF;
+    for (int j = 0; j < 4; j++)
+        c.v[j] = p->v[j < 3 ? j : 2];
+    c.c[0] = 1;
+    c.c[1] = -p->c[0];
+    c.c[2] = p->c[1] > 0 ? -p->c[1] : R(0.0);
+    clear_contact(&c);
+    vec way = sub(s.target[k], gap_of(p, s.x0));
+    c.n = make(way.x / s.dt, way.y / s.dt, way.z / s.dt);
+    c.lambda_t = scale(s.tau, s.pull[k]);
+    c.kappa = kappa_of(&s, &c, p->stiffness);
+    s.contact[k] = c;
+}
+
+void gpu_seam_open(struct gpu *g, const struct seam *s)
+{
+    LAUNCH(g, s->n, seam_open_kernel, *s);
+}
+
+/* Thread k owns point k: writes next[k]. */
+KERNEL seam_close_kernel(const struct seam &s)
+{
+    ITEM(k, s.n);
+    const struct contact *c = &s.contact[k];
+    vec p = c->tangent;
+    s.next[k] =
+        c->kappa > 0 ? make(p.x / s.tau, p.y / s.tau, p.z / s.tau) : s.pull[k];
+}
+
+void gpu_seam_close(struct gpu *g, const struct seam *s)
+{
+    LAUNCH(g, s->n, seam_close_kernel, *s);
+}
