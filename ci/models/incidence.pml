@@ -17,11 +17,13 @@ byte items[2], listed, ended;
 
 inline incidence_count_kernel(t)
 {
-    d_step
-    {
-        atomic_of(t, vertex, old, value[vertex] + 1);
-        rank = old % UPPER
-    };
+    if
+    :: FAULT(read_and_then_written) ->
+        old = value[vertex];
+        value[vertex] = old + 1
+    :: else -> d_step { atomic_of(t, vertex, old, value[vertex] + 1) }
+    fi;
+    rank = old % UPPER;
     if
     :: rank == 0 -> d_step { atomic_of(t, vertex, old, value[vertex] + UPPER) }
     :: else

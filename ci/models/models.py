@@ -17,7 +17,7 @@ and the model's inline or process of the same name must have the same barriers, 
 and atomics. So whoever changes the code's has to change the model.
 
 Each device function that has such tokens must be in a model or in ci/models/left.def,
-with the reason.
+with the reason. The model named `response` is that of ci/models/response.py.
 """
 import concurrent.futures
 import functools
@@ -30,6 +30,7 @@ import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../equal"))
 import census  # pylint: disable=wrong-import-position
+import response  # pylint: disable=wrong-import-position
 
 FOLDER, LEFT = "ci/models", "ci/models/left.def"
 # Barriers and fences: what a model has in place of what the code has.
@@ -46,7 +47,9 @@ TOGETHER = re.compile(r"\b(__sync\w+|__shfl\w+|__threadfence|__shared__|atomic[A
                       r"cluster_sync(?:_shared)?|group_sync|grid_sync|patch_sync|"
                       r"lane_value|lane_below|warp_sum|cluster_at|copies_\w+|bulk_\w+|"
                       r"volatile int32_t)\b")
-WORD = (r"(?P<sync>\b(?:" + "|".join(SYNC) + r"))\b(?P<of><\w+>)?\((?P<how>[^()]*(?:\([^()]*\)[^()]*)*)\)|"
+NESTED = r"[^()]*(?:\([^()]*\)[^()]*)*"
+WORD = (r"(?P<sync>\b(?:" + "|".join(SYNC) + r"))\b(?P<of><\w+>)?"
+        rf"\((?P<how>{NESTED})\)|"
         r"(?P<atom>\batomic[A-Z]\w*)\(|"
         r"(?P<shfl>\b__shfl\w+|\blane_value|\bcluster_at|\bvolatile)\b")
 SPARE = re.compile(r"spare: ([^*]*[^* ])")
@@ -132,8 +135,8 @@ class Model:
         for line, code in zip(self.text.split("\n"), bare):
             spare = SPARE.search(line)
             if not code.lstrip().startswith(("#define", "inline")):
-                code = re.sub(r"\b(" + "|".join(LEFT_OUT) + r")(\([^()]*(?:\([^()]*\)"
-                              r"[^()]*)*\))", functools.partial(self.plant, spare), code)
+                code = re.sub(r"\b(" + "|".join(LEFT_OUT) + rf")(\({NESTED}\))",
+                              functools.partial(self.plant, spare), code)
                 code = re.sub(r"\bFAULT\((\w+)\)", self.named, code)
             lines.append(code)
         return "\n".join(lines)
@@ -156,7 +159,8 @@ class Model:
             return None
         body = without_comments(self.text[head.end():])
         body = body[:body.find("\n}\n") + 1]
-        return re.findall(r"\b(" + "|".join({*SYNC.values(), *LEFT_OUT, "atomic_of"}) + r")\(", body)
+        words = {*SYNC.values(), *LEFT_OUT, "atomic_of"}
+        return re.findall(r"\b(" + "|".join(words) + r")\(", body)
 
     def of_code(self):
         """Whether the functions that it models are still what the code has."""
@@ -234,7 +238,8 @@ def verify(folder, plant=0):
     if "errors: 0" not in said or "search depth too small" in said or \
             "Search not completed" in said or "reached -DMEMLIM" in said:
         return "undecided", said[-600:] + made.stderr[-600:]
-    ends = re.search(r"unreached in proctype thread\n(.*?)(?=\nunreached|\npan)", said, re.S)
+    ends = re.search(r"unreached in proctype thread\n(.*?)(?=\nunreached|\npan)", said,
+                     re.S)
     if not plant and not (ends and '"-end-"' not in ends[1]):
         return "undecided", "a process does not reach its end"
     return "holds", (re.search(r"(\S+) states, stored", said) or [0, "?"])[1]
@@ -243,7 +248,8 @@ def verify(folder, plant=0):
 def check(model, build_folder, quick):
     """[(passed, line)] of a model."""
     folder = f"{build_folder}/models/{model.name}"
-    results = [(False, f"FAILED {model.name}: {why}") for why in model.of_code() + unseen(model)]
+    results = [(False, f"FAILED {model.name}: {why}")
+               for why in model.of_code() + unseen(model)]
     results += [(True, f"ok {model.name}: its code")] if not results else []
     if not shutil.which("spin"):
         return results
@@ -285,12 +291,43 @@ def coverage(models):
     return found
 
 
+def table():
+    """The table of spec/proofs.md: which model has which functions, and what is left."""
+    models, rows, why_left = every_model(), [], {}
+    found = coverage(models)
+    for model in models:
+        files = {}
+        for file, name, _ in model.code:
+            files.setdefault(file, []).append(f"`{name}`")
+        what = "; ".join(f"{file}: {', '.join(names)}" for file, names in files.items())
+        faults = sum(not spare for _, spare in model.faults)
+        rows.append(f"| {model.name}.pml | {what} | {faults} |")
+    for file, name, model, why in found:
+        if not model:
+            why_left.setdefault(why or "no model yet", {}).setdefault(file, []).append(name)
+    had = sum(model is not None for _, _, model, _ in found)
+    lines = [f"Models have {had} of the {len(found)} device functions in which threads "
+             f"work together.", "", "| model | code | faults that it finds |",
+             "| --- | --- | ---: |", *rows, "", "| why there is no model | functions |",
+             "| --- | --- |"]
+    for why, files in sorted(why_left.items()):
+        what = "; ".join(f"{file}: {', '.join(f'`{name}`' for name in names)}"
+                         for file, names in files.items())
+        lines.append(f"| {why} | {what} |")
+    return "\n".join(lines)
+
+
+def every_model():
+    """The models of ci/models/."""
+    return [Model(path) for path in sorted(glob.glob(f"{FOLDER}/*.pml"))
+            if not path.endswith("/memory.pml")]
+
+
 def main(build_folder, *options):
     """Checks the models, or those that are named."""
     quick = "--quick" in options
     names = [name for name in options if not name.startswith("--")]
-    models = [Model(path) for path in sorted(glob.glob(f"{FOLDER}/*.pml"))
-              if not path.endswith("/memory.pml")]
+    models = every_model()
     if "--code" in options:
         for (file, name), bodies in device().items():
             if any(TOGETHER.search(one.body) for one in bodies):
@@ -303,6 +340,10 @@ def main(build_folder, *options):
             for passed, line in lines:
                 print(line, flush=True)
                 results.append(passed)
+    for passed, line in response.check(build_folder, quick) if not names or \
+            "response" in names else []:
+        print(line, flush=True)
+        results.append(passed)
     for file, name, model, why in coverage(models) if not names else []:
         if not model and not why:
             print(f"FAILED {LEFT}: neither a model nor a reason for {file} {name}")
