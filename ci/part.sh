@@ -162,6 +162,7 @@ ptx)
         python3 ci/equal/lint.py "$0"/ptx/gpu/*/*.ptx' "$build" "$jobs"
     ;;
 equal) count sh ci/equal/prove.sh "$build" --quick ;;
+models) count python3 ci/models/models.py "$build" --quick ;;
 faults)
     command -v nvcc >/dev/null 2>&1 || skip 'there is no nvcc'
     needs clang 14

@@ -15,6 +15,7 @@ certify: ## compares ref and gpu on the device: ci/certificate.json
 prove: ## Gappa bounds the filters' constants; kernels are ref's, for every input
 	sh ci/prove.sh --coq $(BUILD)
 	sh ci/eva/eva.sh $(BUILD)
+	python3 ci/models/models.py $(BUILD)
 	sh ci/equal/prove.sh $(BUILD) $(if $(WRITE),--write)
 
 N ?= 60
