@@ -35,6 +35,7 @@ $(BUILD)/speed: $(BUILD)/bench/narrow.32.o $(BUILD)/tests/narrow/ply.32.o \
 
 # Physics as a suite, by the Python package: spec/validation.md.
 $(BUILD)/validate: $(PACKAGE)/made
+	@rm -f $@
 	@printf '#!/bin/sh\nPYTHONPATH=%s exec %s -m validate "$$@"\n' \
 	  "$(CURDIR):$(abspath $(PACKAGE))" "$(abspath $(PY))/venv/bin/python" >$@
 	@chmod +x $@
