@@ -21,12 +21,12 @@ def fill(shadow, corners):
     for row in range(math.ceil(max(min(z), 0)), min(math.floor(max(z)), SIDE - 1) + 1):
         found = []
         for k in range(3):
-            l = (k + 1) % 3
-            if (z[k] < row) == (z[l] < row) and z[k] != row:
+            m = (k + 1) % 3
+            if (z[k] < row) == (z[m] < row) and z[k] != row:
                 continue
-            t = 0 if z[l] == z[k] else (row - z[k]) / (z[l] - z[k])
+            t = 0 if z[m] == z[k] else (row - z[k]) / (z[m] - z[k])
             if 0 <= t <= 1:
-                found.append(x[k] + t * (x[l] - x[k]))
+                found.append(x[k] + t * (x[m] - x[k]))
         if found:
             lo, hi = math.ceil(max(min(found), 0)), math.floor(max(found))
             shadow[row, lo:max(hi + 1, lo)] = True

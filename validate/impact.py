@@ -2,10 +2,11 @@
 """A sheet that falls flat. spec/validation.md §16"""
 from dataclasses import dataclass, replace
 
+from drape._core import lib
+
 from validate.property import everywhere
 from validate.scheme import PLAIN, Scheme, schemes
 from validate.world import G, NAN, Scene, around
-from drape._core import lib
 
 STEPS = 1 / 60, 1 / 240, 1 / 960, 1 / 1920
 

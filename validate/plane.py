@@ -5,7 +5,6 @@ import math
 from math import cos, sin
 
 import numpy as np
-from drape._core import lib  # noqa: F401
 
 from validate.property import SIZES, Property, everywhere, measure
 from validate.world import G, NAN, around, distance, energy_of, rest, sheet
