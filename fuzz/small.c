@@ -139,11 +139,9 @@ static void draw_seam(struct bytes *b, struct small *s)
     bool able = d->integrator >= DRAPE_BW && d->response == DRAPE_SOLVE;
     if (!able || s->cloth[a].hole || pick(b, 4) != 3)
         return;
-    s->seam = (drape_seam){{a, c},
-                           1 + (int)pick(b, (uint32_t)s->cloth[a].m),
-                           s->sewn,
-                           (const int32_t(*)[2])s->onto,
-                           s->part};
+    s->seam = (drape_seam){{a, c},  1 + (int)pick(b, (uint32_t)s->cloth[a].m),
+                           s->sewn, (const int32_t(*)[2])s->onto,
+                           s->part, pick(b, 2) ? 0.05 : 0};
     for (int k = 0; k < s->seam.n; k++) {
         int at = k < m - 1 ? k : m - 2;
         s->sewn[k] = k;

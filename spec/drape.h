@@ -276,6 +276,9 @@ typedef struct drape_seam {
                                  equal; neither is the point's own particle */
     const double *part; /* [n] 0 … 1: the place is (1 - part) of the first and
                            part of the second */
+    double
+        strength; /* N, 0 … 1e9: a point pulls by no more, and gives way where
+                     its target asks for more; 0: it holds whatever pulls */
 } drape_seam;
 
 /* Air that moves with one velocity everywhere. cloth/wind.md */

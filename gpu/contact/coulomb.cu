@@ -76,12 +76,18 @@ static __device__ void evaluate_seam(const struct coulomb *s, int64_t k)
     if (s->renews)
         c->lambda_t = c->tangent;
     vec lack = scale(s->dt / s->tau, sub(c->n, pair_sum(c, s->u)));
-    c->tangent = axpy(c->lambda_t, c->kappa, lack);
-    c->stiffness_n = c->stiffness_t = c->kappa;
+    vec z = axpy(c->lambda_t, c->kappa, lack);
+    real size = length(z);
+    bool yields = c->load > 0 && size > c->load;
+    c->tangent = yields ? scale(c->load / size, z) : z;
+    c->stiffness_n = c->stiffness_t =
+        yields ? c->kappa * (c->load / size) : c->kappa;
+    c->way = yields ? scale(1 / size, z) : make(0, 0, 0);
     c->coupling = !(c->kappa > 0)   ? CONTACT_APART
                   : is_single(s, c) ? CONTACT_SINGLE
                                     : CONTACT_MUTUAL;
-    s->next[k] = axpy(c->tangent, c->kappa, lack);
+    vec next = axpy(c->tangent, c->kappa, lack);
+    s->next[k] = c->load > 0 ? cut_length(next, c->load) : next;
 }
 
 /* §1, §2, §3.1. Thread k owns contact k: reads u of its vertices, writes its

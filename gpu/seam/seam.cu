@@ -57,6 +57,7 @@ KERNEL seam_open_kernel(const struct seam &s)
     c.n = make(way.x / s.dt, way.y / s.dt, way.z / s.dt);
     c.lambda_t = scale(s.tau, s.pull[k]);
     c.kappa = kappa_of(&s, &c, p->stiffness);
+    c.load = s.tau * p->strength;
     s.contact[k] = c;
 }
 

@@ -364,6 +364,7 @@ static void check_seam(struct check *c, const drape_def *def,
         !check_array(c, "onto", s->n, s->onto) ||
         !check_array(c, "part", s->n, s->part))
         return;
+    check_number(c, "strength", s->strength, 0, 1e9);
     for (int64_t k = 0; k < s->n && c->status == DRAPE_OK; k++)
         check_point(c, s, k, count);
 }

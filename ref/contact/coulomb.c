@@ -72,18 +72,28 @@ static void evaluate_seam(const struct coulomb *s, int64_t k)
         c->lambda_t = c->tangent;
     vec lack =
         vec_scale(s->dt / s->tau, vec_sub(c->n, pair_sum(c->v, c->c, s->u)));
-    c->tangent = vec_axpy(c->lambda_t, c->kappa, lack);
-    c->stiffness_n = c->stiffness_t = c->kappa;
+    vec z = vec_axpy(c->lambda_t, c->kappa, lack);
+    real size = vec_length(z);
+    bool yields = c->load > 0 && size > c->load;
+    c->tangent = yields ? vec_scale(c->load / size, z) : z;
+    c->stiffness_n = c->stiffness_t =
+        yields ? c->kappa * (c->load / size) : c->kappa;
+    c->way = yields ? vec_scale(1 / size, z) : vec_make(0, 0, 0);
     c->coupling = !(c->kappa > 0)   ? CONTACT_APART
                   : is_single(s, c) ? CONTACT_SINGLE
                                     : CONTACT_MUTUAL;
-    s->next[k] = vec_axpy(c->tangent, c->kappa, lack);
+    vec next = vec_axpy(c->tangent, c->kappa, lack);
+    s->next[k] = c->load > 0 ? cut_length(next, c->load) : next;
 }
 
 /* §1, §2, §3.1: impulses and matrix of contact k. */
 static void evaluate_contact(const struct coulomb *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
+    if (k >= s->n - s->seams) {
+        evaluate_seam(s, k);
+        return;
+    }
     if (s->renews)
         renew_multipliers(s, c);
     vec v = vec_scale(s->dt / s->tau, pair_sum(c->v, c->c, s->u));
@@ -197,12 +207,8 @@ int ref_coulomb(struct coulomb *s)
     if (s->lists)
         ref_incidence(&by);
     EACH_ITEM
-    for (int64_t k = 0; k < s->n; k++) {
-        if (k < s->n - s->seams)
-            evaluate_contact(s, k);
-        else
-            evaluate_seam(s, k);
-    }
+    for (int64_t k = 0; k < s->n; k++)
+        evaluate_contact(s, k);
     EACH_ITEM
     for (int64_t i = 0; i < s->nv; i++)
         gather_vertex(s, i);

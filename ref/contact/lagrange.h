@@ -18,6 +18,7 @@ struct seam_point {
     int32_t v[3];   /* vertices: the particle, and the two of its place */
     real c[2];      /* weights of the place, ≥ 0, which add to 1 exactly */
     real stiffness; /* N/m, of seam.md §3 */
+    real strength;  /* N, the greatest pull; 0: none is too great */
 };
 
 /* The seams of a world. first and cloth lie on the host, all other

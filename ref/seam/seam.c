@@ -46,6 +46,7 @@ void ref_seam_open(struct gpu *on, const struct seam *s)
         c.n = vec_make(way.x / s->dt, way.y / s->dt, way.z / s->dt);
         c.lambda_t = vec_scale(s->tau, s->pull[k]);
         c.kappa = kappa_of(s, &c, p->stiffness);
+        c.load = s->tau * p->strength;
         s->contact[k] = c;
     }
 }

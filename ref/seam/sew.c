@@ -84,6 +84,7 @@ static int fill_seam(struct world *w, const drape_seam *def, int k,
                        k, (long long)i, (int)v[0]);
         seen[to[i].v[0]] = k + 1;
         weigh_place(&to[i], def->part[i]);
+        to[i].strength = (real)def->strength;
     }
     return DRAPE_OK;
 }

@@ -115,7 +115,8 @@ static uint64_t mix_seam(uint64_t h, const drape_seam *s)
     h = hash_mix(h, s->cloth, sizeof s->cloth);
     h = mix_array(h, s->particle, s->n, sizeof *s->particle);
     h = mix_array(h, s->onto, s->n, sizeof *s->onto);
-    return mix_array(h, s->part, s->n, sizeof *s->part);
+    h = mix_array(h, s->part, s->n, sizeof *s->part);
+    return hash_mix(h, &s->strength, sizeof s->strength);
 }
 
 uint64_t checkpoint_fingerprint(const drape_def *d, uint64_t *print)

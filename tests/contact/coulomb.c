@@ -111,6 +111,7 @@ static void pick_seams(struct bytes *b, struct coulomb *s)
         c->n = pick_vec(b, pick(b, 4) ? R(0.01) : R(10.0));
         c->lambda_t = pick_vec(b, R(0.01));
         c->tangent = pick_vec(b, R(0.01));
+        c->load = pick(b, 3) ? 0 : pick_uniform(b, 0, R(0.01));
         c->kappa = kappa;
         c->coupling = coupling;
     }
@@ -433,7 +434,7 @@ static double slack(const struct coulomb *s, bool walls, double *size)
         }
         double along = wide_dot(n, sum), way = wide_dot(z, sum);
         if (k >= s->n - s->seams) {
-            own += (double)c->kappa * wide_dot(sum, sum);
+            own += (double)c->stiffness_t * (wide_dot(sum, sum) - way * way);
             continue;
         }
         own += (double)c->stiffness_n * along * along;
@@ -514,6 +515,9 @@ static const char *check_renewed(const struct coulomb *s, int32_t *grown)
             failed = check_renewal(s, was, is);
         else if (memcmp(&is->lambda_t, &was->tangent, sizeof was->tangent))
             failed = "coulomb: a renewed multiplier is not the pull";
+        else if (was->load > 0 &&
+                 length(wide_of(was->tangent)) > (1 + 1e-6) * (double)was->load)
+            failed = "coulomb: a point pulls by more than its strength";
         for (int j = 0; j < 4; j++)
             grown[was->v[j]] += was->kappa != is->kappa;
     }

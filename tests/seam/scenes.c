@@ -103,6 +103,53 @@ const char *test_seam_loads(void)
     return NULL;
 }
 
+/* §2: a seam of half the strength that the weight below asks for pulls by its
+ * strength and lets the cloth fall at g/2; one of twice as much holds it. */
+const char *test_seam_yields(void)
+{
+    static const int side[2] = {9, 9};
+    static struct sewn s;
+    for (int how = DRAPE_BW; how <= DRAPE_BDF2; how++)
+        for (int holds = 0; holds < 2; holds++) {
+            drape_world *world;
+            drape_step_report r;
+            double pull[SEWN_SIDE][3], mean = 0, sum = 0;
+            sewn_make(&s, side, strip, true, 0);
+            s.def.integrator = how;
+            sewn_pin_row(&s, 0, 0, -1);
+            const drape_cloth *c = &s.cloth[1];
+            double mass = c->material.density * c->width * c->height;
+            double all = mass * 9.81 * (holds ? 2 : 0.5);
+            s.seam.strength = all / (double)s.seam.n;
+            EXPECT(drape_create(&s.def, &world, NULL) == DRAPE_OK);
+            for (int k = 0; k < 20; k++) {
+                EXPECT(drape_step(world, &r) == DRAPE_OK && r.outcome == 0);
+                EXPECT(drape_seam_state(world, 0, NULL, pull) == DRAPE_OK);
+                sum = 0;
+                for (int i = 0; i < s.seam.n; i++) {
+                    double size =
+                        sqrt(pull[i][0] * pull[i][0] + pull[i][1] * pull[i][1] +
+                             pull[i][2] * pull[i][2]);
+                    EXPECT(size <= 1.00001 * s.seam.strength);
+                    sum += size;
+                }
+                EXPECT(holds || sum > 0.999 * all);
+                EXPECT(!holds || k < 10 || sewn_gap(&s, world, NULL) < GAP);
+            }
+            static double v[4 * SEWN_SIDE * SEWN_SIDE][3];
+            EXPECT(drape_read(world, NULL, v) == DRAPE_OK);
+            for (int j = 0, p = s.cloth[0].m * s.cloth[0].n; j < c->n; j++)
+                for (int i = 0; i < c->m; i++, p++)
+                    mean -= v[p][1] * (i % (c->m - 1) ? 1 : 0.5) *
+                            (j % (c->n - 1) ? 1 : 0.5);
+            mean /= (c->m - 1) * (c->n - 1);
+            EXPECT(holds || fabs(mean - 4.905 / 3) < 0.01 * 4.905 / 3);
+            drape_destroy(world);
+            ran(1);
+        }
+    return NULL;
+}
+
 /* §2: Σ c = 0: in a seam forces cancel. What is sewn together is one island of
  * momentum.md §3: one cloth pulls the other along. */
 const char *test_seam_momentum(void)

@@ -108,7 +108,7 @@ static void fill_seams(struct scene *s)
         s->onto[k][1] = k + 1;
         s->part[k] = 0.25;
         s->seam[k] = (drape_seam){
-            {1, 1}, 2, s->particle, (const int32_t(*)[2])s->onto, s->part};
+            {1, 1}, 2, s->particle, (const int32_t(*)[2])s->onto, s->part, 0};
     }
     s->def.seams = s->seam;
     s->def.n_seams = 2;

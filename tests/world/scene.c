@@ -300,11 +300,9 @@ static void pick_seam(struct bytes *b, struct scene *s, int k)
     int a = (int)pick(b, cloths), c = (int)pick(b, cloths);
     int m = s->cloth[a].m, other = s->cloth[c].m;
     int32_t last = s->cloth[c].m * (s->cloth[c].n - 1);
-    *to = (drape_seam){{a, c},
-                       1 + (int)pick(b, (uint32_t)m),
-                       s->particle[k],
-                       (const int32_t(*)[2])s->onto[k],
-                       s->part[k]};
+    *to = (drape_seam){{a, c},         1 + (int)pick(b, (uint32_t)m),
+                       s->particle[k], (const int32_t(*)[2])s->onto[k],
+                       s->part[k],     pick(b, 2) ? 0.02 : 0};
     for (int i = 0; i < to->n; i++) {
         int at = i < other - 1 ? i : other - 2;
         s->particle[k][i] = i;
