@@ -325,7 +325,8 @@ static const char *check_matrix(const struct coulomb *s,
     return NULL;
 }
 
-/* seam.md §2: the pull of a point is λ + κ (a - t), its matrix is κ. */
+/* seam.md §2: the pull of a point is λ + κ (a - t), cut to its strength, and
+ * its matrix is κ; where it gives way, κ F/|z| across its pull. */
 static const char *check_seam(const struct coulomb *s, const struct contact *c)
 {
     struct wide a = wide_of(c->n);
@@ -338,10 +339,21 @@ static const char *check_seam(const struct coulomb *s, const struct contact *c)
     }
     struct wide pull = wide_axpy(wide_of(c->lambda_t), kappa * span, a);
     size = kappa * span * size + length(wide_of(c->lambda_t));
-    struct wide off = wide_sub(wide_of(c->tangent), pull);
-    EXPECT(length(off) <= 32 * unit * size + least);
-    EXPECT(c->impulse == 0 && c->stiffness_n == c->kappa &&
-           c->stiffness_t == c->kappa && vec_length(c->way) == 0);
+    double way = (double)vec_length(c->way), most = (double)c->load;
+    double long_ = length(pull), cut = way > 0 ? most / long_ : 1;
+    struct wide off = wide_axpy(wide_of(c->tangent), -cut, pull);
+    EXPECT(length(off) <= 64 * unit * cut * size + least);
+    EXPECT(c->impulse == 0 && c->stiffness_n == c->stiffness_t);
+    if (way > 0) {
+        EXPECT(most > 0 && long_ > most - 32 * unit * size);
+        off = wide_axpy(wide_of(c->way), -1 / long_, pull);
+        EXPECT(length(off) <= 64 * unit * size / long_ + 8 * unit);
+        EXPECT(fabs((double)c->stiffness_t - kappa * cut) <=
+               64 * unit * kappa * cut * (1 + size / long_) + least);
+    } else {
+        EXPECT(c->stiffness_t == c->kappa);
+        EXPECT(most == 0 || long_ <= most + 32 * unit * size);
+    }
     EXPECT(c->coupling == (!(c->kappa > 0)     ? CONTACT_APART
                            : moving(s, c) == 1 ? CONTACT_SINGLE
                                                : CONTACT_MUTUAL));
