@@ -84,6 +84,10 @@ static void evaluate_seam(const struct coulomb *s, int64_t k)
 static void evaluate_contact(const struct coulomb *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
+    if (k >= s->n - s->seams) {
+        evaluate_seam(s, k);
+        return;
+    }
     if (s->renews)
         renew_multipliers(s, c);
     vec v = vec_scale(s->dt / s->tau, pair_sum(c->v, c->c, s->u));
@@ -197,12 +201,8 @@ int ref_coulomb(struct coulomb *s)
     if (s->lists)
         ref_incidence(&by);
     EACH_ITEM
-    for (int64_t k = 0; k < s->n; k++) {
-        if (k < s->n - s->seams)
-            evaluate_contact(s, k);
-        else
-            evaluate_seam(s, k);
-    }
+    for (int64_t k = 0; k < s->n; k++)
+        evaluate_contact(s, k);
     EACH_ITEM
     for (int64_t i = 0; i < s->nv; i++)
         gather_vertex(s, i);
