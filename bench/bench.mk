@@ -33,14 +33,12 @@ $(BUILD)/speed: $(BUILD)/bench/narrow.32.o $(BUILD)/tests/narrow/ply.32.o \
     $(ORC_O) $(INSIDE)
 	$(C17) $^ -o $@ $(ORC_L) -lstdc++ -lm
 
-# Physics as a suite, through the public API alone: spec/validation.md.
-# BUILD/validate is the program, so its objects lie elsewhere.
-VAL_O   := $(call obj,$(addprefix objects/,$(sort $(wildcard validate/*.c))),)
-$(BUILD)/objects/%.o: %.c
-	@mkdir -p $(@D)
-	$(C17) -c $< -o $@
-$(BUILD)/validate: $(VAL_O) $(LIB)
-	$(C17) $^ -o $@ -lpthread $(if $(GPU),$(CUDA_L),-lm)
+# Physics as a suite, by the Python package: spec/validation.md.
+$(BUILD)/validate: $(PACKAGE)/made
+	@rm -f $@
+	@printf '#!/bin/sh\nPYTHONPATH=%s exec %s -m validate "$$@"\n' \
+	  "$(CURDIR):$(abspath $(PACKAGE))" "$(abspath $(PY))/venv/bin/python" >$@
+	@chmod +x $@
 validate: $(BUILD)/validate ## what cloth does against theory: validate/MACHINE
 	sh validate/run.sh $(BUILD) $(MACHINE)
 

@@ -3,6 +3,8 @@
 # `make certify`, on a machine with a device: compares ref/ and gpu/ stage by
 # stage and scene by scene, and writes the findings to OUT, good or bad. Rows of
 # OUT whose code has not changed are kept, all others run (ci/certificate.py).
+# What is found is written part by part, so that a run that is cut short can be
+# gone on with.
 # See spec/gpu.md §7. Needs BUILD/check-cuda and BUILD/drape made with GPU=yes.
 # `reference` computes on any machine the digests of the reference's scenes that
 # ci/reference.txt does not have yet. A scene that is missing there runs beside
@@ -220,6 +222,8 @@ sanitize() {
         "$(awk '$4 { printf " %s", $3 }' "$work/$1.rows")"
 }
 
+save() { python3 ci/certificate.py write "$work" "$out"; }
+
 tree=$(python3 ci/tree.py ref)
 if [ "$mode" = reference ]; then
     cut -d' ' -f1 "$work/table" >"$work/scenes"
@@ -255,21 +259,26 @@ done <"$work/stages"
 sed -n 's/^\(stage\) \(.*\) \(.*\) \(.*\) \(.*\) \(.*\)/\1\t\2\t\3\t\4\t\5\t\6/p' \
     "$work/certify.log" >>"$rows" 2>/dev/null
 took stages
+save
 while read -r scene; do
     run "$scene" gpu "$(frames_of "$scene")" </dev/null
     ! also_again "$scene" ||
         again "$scene" "$(frames_of "$scene")" </dev/null
 done <"$work/scenes"
 took 'runs of the device'
+while read -r scene; do
+    [ ! "$(known "$scene")" ] || both "$scene"
+done <"$work/scenes"
+save
 for tool in memcheck racecheck initcheck synccheck; do
     sanitize $tool &
 done
 wait
 took 'sanitizers and references'
 while read -r scene; do
-    both "$scene"
+    [ "$(known "$scene")" ] || both "$scene"
 done <"$work/scenes"
-python3 ci/certificate.py write "$work" "$out"
+save
 line=$(python3 ci/certificate.py line "$out")
 echo "$line"
 case $line in 'NOT CERTIFIED'*) exit 1 ;; esac

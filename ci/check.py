@@ -38,6 +38,7 @@ PARTS = {
     "faults": ("planted faults, which the proofs find", 120),
     "buddha": ("the paper's buddha: no intersection in any frame", 60),
     "demo": ("the demo's scene: no intersection in any frame", 40),
+    "models": ("kernels in which threads work together, under every schedule", 50),
     "fuzz": ("every input of fuzz/corpus again", 40),
     "device": ("kernels, emulated on the host", 30),
     "validate": ("cloth beside theory, in a short form", 30),

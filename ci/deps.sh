@@ -10,7 +10,7 @@
 set -eu
 need='gcc g++ make clang clang-format clang-tidy libomp-dev
       libassimp-dev libjansson-dev libembree-dev libpng-dev ffmpeg
-      libcgal-dev libfcl-dev libccd-dev libgmp-dev libmpfr-dev gappa
+      libcgal-dev libfcl-dev libccd-dev libgmp-dev libmpfr-dev gappa spin
       libclang-rt-dev python3 python3-dev python3-venv cmake pkg-config'
 [ "${1-}" != bare ] || need='mmdebstrap git'
 [ "${1-}" != proofs ] || need='frama-c-base coq libcoq-flocq libcoq-gappa'

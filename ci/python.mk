@@ -27,6 +27,16 @@ $(PY)/venv/made: python/requirements.txt
 	@$(PIP) -r $<
 	@touch $@
 
+# The package of this tree as programs of it import it, without a wheel. A folder that
+# pip has left says nothing of what the extension is linked of now.
+PACKAGE := $(PY)/package
+$(PACKAGE)/made: $(PY)/venv/made $(LIB) $(call obj,$(CORE),) $(HAS_APP:%=$(BUILD)/drape) \
+    $(wildcard python/*.py python/core/* python/drape/*.py python/drape/*/*.py)
+	$(call show,MAKE $(PACKAGE))rm -rf python/build $(PACKAGE)
+	@DRAPE_BUILD=$(BUILD) DRAPE_MAKE="GPU=$(GPU) $${DRAPE_MAKE-}" $(PIP) install \
+	  --no-deps --no-build-isolation --target $(PACKAGE) ./python
+	@touch $@
+
 # A wheel with the device's part says by which CUDA: drape_cloth-0.1.0+cu130-….whl.
 DIST ?= dist
 WITH_CUDA = $(if $(GPU),cu$(shell nvcc --version | sed -n \

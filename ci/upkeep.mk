@@ -15,6 +15,7 @@ certify: ## compares ref and gpu on the device: ci/certificate.json
 prove: ## Gappa bounds the filters' constants; kernels are ref's, for every input
 	sh ci/prove.sh --coq $(BUILD)
 	sh ci/eva/eva.sh $(BUILD)
+	python3 ci/models/models.py $(BUILD)
 	sh ci/equal/prove.sh $(BUILD) $(if $(WRITE),--write)
 
 N ?= 60
@@ -31,7 +32,7 @@ soak: check-parts ## the tests under sanitizers, and their long forms
 
 format: ## clang-format everything in place
 	clang-format -i $(wildcard app/*/*.[ch] app/examples/*.c[pu]* bench/*.[ch] \
-	  validate/*.[ch] fuzz/*.[ch] \
+	  fuzz/*.[ch] \
 	  gpu/*/* oracle/*.[ch]* python/core/*.[ch] ref/*/*.[ch] spec/*.h tests/*/*.[ch])
 
 # The analyzer's search is cut at 20000 nodes (225000 usually) for the time

@@ -69,6 +69,32 @@ int cut_triangles(const struct cut *cut, int64_t cell, int32_t tri[2][3]);
  * `count` corners are there. */
 bool cut_is_border(const struct cut *cut, int64_t cell, int k, int count);
 
+/* A side of a seam: an edge of a panel that was cut. */
+struct cut_side {
+    const struct cut *cut;
+    const struct outline *outline;
+    int edge;  /* of the outline */
+    bool back; /* the seam runs against the outline */
+};
+/* A particle that is held to a place on the other side. */
+struct cut_point {
+    int32_t particle;
+    int32_t onto[2]; /* particles of the other side, which may be one */
+    double part;   /* 0 … 1: the place is (1 - part) onto[0] + part onto[1] */
+    double at;     /* 0 … 1: where on the seam */
+    double length; /* m, of the seam that it stands for */
+};
+struct cut_seam {
+    int fine; /* the side of the particles, which are more there: 0 or 1 */
+    int n;
+    struct cut_point *point; /* [n] along the seam */
+};
+/* Finds the points of a seam, by fractions of the lengths of both sides. There
+ * are none where a side has no two particles. false: no memory. cut_seam_free
+ * gives back what it holds. */
+bool cut_seam_make(struct cut_seam *seam, const struct cut_side side[2]);
+void cut_seam_free(struct cut_seam *seam);
+
 /* The smallest triangle, as a part of a cell's area. */
 #define CUT_LEAST 0.12
 /* The area of a triangle of particles as a part of a cell's. */

@@ -13,6 +13,8 @@ enum { PARTICLE_BYTES = 512 };
 /* Fill the def of a struct scene, their `out`. Motions are read first, as
  * cloths and obstacles name them. */
 json_reader read_motions, read_cloths, read_obstacles;
+/* Adds the panels of garments to the cloths that were read, and their seams. */
+json_reader read_garments;
 
 /* Reads a motion's name; out: int, the motion's index. */
 json_reader read_motion_name;

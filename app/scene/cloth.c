@@ -74,7 +74,7 @@ static int read_stretch(struct json *json, json_t *node, void *out)
     return json_value(json, node, &modulus, &material->stretch);
 }
 
-static int read_material(struct json *json, json_t *node, void *out)
+int read_material(struct json *json, json_t *node, void *out)
 {
 #define MATERIAL(name, lo, hi)                                                 \
     NUMBER_KEY(#name, offsetof(drape_material, name), lo, hi)

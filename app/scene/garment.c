@@ -222,24 +222,49 @@ void garment_lengths(const struct pattern *pattern,
     }
 }
 
-/* Turns two coordinates by an angle in degrees. */
-static void turn(double *a, double *b, double degrees)
+int garment_find_edge(const struct pattern_panel *panel, int edge)
 {
-    double angle = degrees * acos(-1) / 180;
-    double x = *a, y = *b;
-    *a = cos(angle) * x - sin(angle) * y;
-    *b = sin(angle) * x + cos(angle) * y;
+    int place = 0;
+    while (panel->loop[place].edge != edge)
+        place++;
+    return place;
 }
 
-void garment_place(const struct pattern_panel *panel, const double x[2],
-                   double out[3])
+bool garment_is_clockwise(const struct pattern_panel *panel)
 {
-    out[0] = x[0];
-    out[1] = x[1];
-    out[2] = 0;
-    turn(&out[1], &out[2], panel->turn[0]);
-    turn(&out[2], &out[0], panel->turn[1]);
-    turn(&out[0], &out[1], panel->turn[2]);
-    for (int i = 0; i < 3; i++)
-        out[i] += panel->at[i];
+    return panel->loop[garment_find_edge(panel, 0)].back;
+}
+
+int garment_seam(const struct garment *garment,
+                 const struct pattern_stitch *stitch, struct cut_seam *seam)
+{
+    struct cut_side side[2];
+    *seam = (struct cut_seam){0};
+    for (int k = 0; k < 2; k++) {
+        const struct garment_panel *p = &garment->panel[stitch->side[k].panel];
+        int32_t end[2];
+        int place = garment_find_edge(p->panel, stitch->side[k].edge);
+        if (!garment_ends(p, place, end))
+            return APP_OK;
+        side[k] = (struct cut_side){&p->cut, &p->outline, place, false};
+    }
+    /* Round their panels as the file goes, seen from the right side, one edge
+     * begins where the other ends. */
+    bool same =
+        garment_is_clockwise(garment->panel[stitch->side[0].panel].panel) ==
+        garment_is_clockwise(garment->panel[stitch->side[1].panel].panel);
+    side[1].back = same != stitch->turned;
+    return cut_seam_make(seam, side) ? APP_OK
+                                     : complain(APP_FAILED, "out of memory");
+}
+
+bool garment_is_dart(const struct pattern *pattern,
+                     const struct pattern_stitch *stitch)
+{
+    const struct pattern_side *a = &stitch->side[0], *b = &stitch->side[1];
+    const struct pattern_panel *panel = &pattern->panel[a->panel];
+    if (a->panel != b->panel)
+        return false;
+    const int *p = panel->edge[a->edge].end, *q = panel->edge[b->edge].end;
+    return p[0] == q[0] || p[0] == q[1] || p[1] == q[0] || p[1] == q[1];
 }

@@ -11,6 +11,11 @@ struct garment_panel {
     struct outline outline;
     struct cut cut;
     struct outline_pair strap, gap; /* the narrowest; width INFINITY: none */
+    double shift[3]; /* m, from where the pattern places it: garment_part */
+    struct garment_roll {
+        double radius;          /* m; 0: the panel is flat */
+        double at[2], along[2]; /* m; unit: the line that stays where it is */
+    } roll;                     /* garment_roll_up */
 };
 
 struct garment {
@@ -35,8 +40,31 @@ void garment_count(const struct garment_panel *panel, int *count);
 /* Lengths of a stitch's sides by the pattern, m. */
 void garment_lengths(const struct pattern *pattern,
                      const struct pattern_stitch *stitch, double length[2]);
-/* Where the pattern places a point of a panel, m. */
-void garment_place(const struct pattern_panel *panel, const double x[2],
+/* Finds the points of a stitch; `seam` has none where an edge is too short for
+ * cells. Returns app_exit, and cut_seam_free gives back what it holds. */
+int garment_seam(const struct garment *garment,
+                 const struct pattern_stitch *stitch, struct cut_seam *seam);
+/* Whether a stitch closes a dart: its edges are of one panel and meet. */
+bool garment_is_dart(const struct pattern *pattern,
+                     const struct pattern_stitch *stitch);
+/* The greatest distance of two places that are sewn together, where the pattern
+ * places them, m. */
+double garment_gap(const struct garment *garment,
+                   const struct pattern_stitch *stitch,
+                   const struct cut_seam *seam);
+/* The place in a panel's loop of an edge by its number. */
+int garment_find_edge(const struct pattern_panel *panel, int edge);
+/* Whether the file goes round a panel clockwise, as its edge 0 does: then its
+ * right side is at -z. */
+bool garment_is_clockwise(const struct pattern_panel *panel);
+/* Where a point of a panel starts, m: rolled, placed and shifted. */
+void garment_stand(const struct garment_panel *panel, const double x[2],
                    double out[3]);
+/* Rolls each panel that a stitch makes a tube, as a sleeve of one panel, about
+ * its wrong side, so that a tenth of the tube is open. */
+void garment_roll_up(struct garment *garment);
+/* Moves panels that lie in one plane and touch apart, and prints a note of
+ * each two. */
+void garment_part(struct garment *garment);
 
 #endif

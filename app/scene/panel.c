@@ -14,14 +14,13 @@ struct panel_key {
     double cell;
 };
 
-/* The file of a pattern, which begins in the scene's folder. */
-static int find_pattern(struct json *json, const char *name,
-                        char path[FILE_PATH])
+int find_beside(struct json *json, const char *what, const char *name,
+                char path[FILE_PATH])
 {
     const struct scene *scene = json->user;
     char folder[FILE_PATH];
     if (!name)
-        return json_refuse(json, "expected pattern");
+        return json_refuse(json, "expected %s", what);
     strcpy(folder, scene->file);
     char *slash = strrchr(folder, '/');
     strcpy(slash ? slash + (slash == folder) : folder, slash ? "" : ".");
@@ -29,7 +28,7 @@ static int find_pattern(struct json *json, const char *name,
                     ? snprintf(path, FILE_PATH, "%s", name) < FILE_PATH
                     : file_join(path, folder, name);
     if (!good || !file_exists(path))
-        return json_refuse(json, "pattern %s: no such file", name);
+        return json_refuse(json, "%s %s: no such file", what, name);
     return APP_OK;
 }
 
@@ -67,20 +66,19 @@ static void find_edges(const struct garment_panel *p, struct cloth_panel *to)
     }
 }
 
-/* Keeps in the pool what the cloth needs of a cut. */
-static int keep_cut(struct json *json, const struct garment_panel *p,
-                    struct cloth *cloth)
+int panel_keep(struct pool *pool, const struct garment_panel *p,
+               struct cloth *cloth)
 {
     const struct cut *cut = &p->cut;
     size_t n = (size_t)cut->m * (size_t)cut->n;
     size_t cells = (size_t)(cut->m - 1) * (size_t)(cut->n - 1);
-    double(*rest)[2] = pool_take(json->pool, n, sizeof *rest);
-    double(*x)[3] = pool_take(json->pool, n, sizeof *x);
-    uint8_t *cell = pool_take(json->pool, cells, 1);
-    struct cloth_panel *to = pool_take(json->pool, 1, sizeof *to);
+    double(*rest)[2] = pool_take(pool, n, sizeof *rest);
+    double(*x)[3] = pool_take(pool, n, sizeof *x);
+    uint8_t *cell = pool_take(pool, cells, 1);
+    struct cloth_panel *to = pool_take(pool, 1, sizeof *to);
     if (to) {
-        to->there = pool_take(json->pool, n, 1);
-        to->edge = pool_take(json->pool, n, sizeof *to->edge);
+        to->there = pool_take(pool, n, 1);
+        to->edge = pool_take(pool, n, sizeof *to->edge);
     }
     if (!rest || !x || !cell || !to || !to->there || !to->edge)
         return complain(APP_FAILED, "out of memory");
@@ -88,7 +86,7 @@ static int keep_cut(struct json *json, const struct garment_panel *p,
     for (size_t k = 0; k < n; k++) {
         for (int i = 0; i < 2; i++)
             rest[k][i] = cut->x[k][i] - cut->at[i];
-        garment_place(p->panel, cut->x[k], x[k]);
+        garment_stand(p, cut->x[k], x[k]);
     }
     for (size_t k = 0; k < cells; k++) {
         int32_t at[4];
@@ -122,7 +120,7 @@ int read_panel(struct json *json, json_t *node, void *out)
     char path[FILE_PATH];
     int status = json_fields(json, node, keys, &key);
     if (status == APP_OK)
-        status = find_pattern(json, key.pattern, path);
+        status = find_beside(json, "pattern", key.pattern, path);
     if (status == APP_OK)
         status = pattern_load(json->pool, path, &pattern);
     if (status != APP_OK)
@@ -136,7 +134,7 @@ int read_panel(struct json *json, json_t *node, void *out)
     one.stitches = 0;
     status = garment_cut(&garment, &one, key.cell);
     if (status == APP_OK)
-        status = keep_cut(json, &garment.panel[0], out);
+        status = panel_keep(json->pool, &garment.panel[0], out);
     garment_free(&garment);
     return status;
 }

@@ -88,6 +88,7 @@ static const struct json_key scene_keys[] = {
     BOOLEAN_KEY("sleep", SCENE(def.sleep)),
     NESTED_KEY("motions", 0, read_motions),
     NESTED_KEY("cloths", 0, read_cloths),
+    NESTED_KEY("garments", 0, read_garments), /* after cloths */
     NESTED_KEY("obstacles", 0, read_obstacles),
     NESTED_KEY("camera", SCENE(camera), read_camera),
     {0}};
@@ -132,7 +133,7 @@ static int read_scene(struct json *json, json_t *root, struct scene *scene)
     if (scene->def.precision != 32 && scene->def.precision != 64)
         return json_refuse(json, "precision: expected 32 or 64");
     if (scene->def.n_cloths < 1)
-        return json_refuse(json, "cloths: expected at least one");
+        return json_refuse(json, "cloths: expected at least one, or a garment");
     return APP_OK;
 }
 
@@ -178,7 +179,7 @@ static const char *is_other(json_t *root)
 {
     if (json_object_get(json_object_get(root, "pattern"), "panels"))
         return "is a sewing pattern of GarmentCode, which `drape pattern` "
-               "cuts; drape cannot sew seams yet (spec/limits.md)";
+               "cuts and `drape sew` sews";
     if (json_object_get(json_object_get(root, "asset"), "version"))
         return "is a glTF file; expected a scene, which names it as the mesh "
                "of an obstacle (app/scenes/README.md)";

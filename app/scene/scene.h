@@ -18,6 +18,14 @@ struct camera {
     double floor[3];          /* colour, sRGB */
 };
 
+/* A seam of a garment, beside its points in def.seams. */
+struct scene_seam {
+    char *name;           /* of both edges */
+    bool dart;            /* its edges are of one panel and meet */
+    double cell;          /* m, side of the garment's cells */
+    const double *length; /* [n] m, of the seam that each point stands for */
+};
+
 struct scene {
     drape_def def;
     char file[4096]; /* path as given */
@@ -29,8 +37,12 @@ struct scene {
     /* Names, NULL-terminated: [n_cloths], [n_obstacles], [n_motions]. */
     char **cloth_name, **obstacle_name, **motion_name;
     struct look *cloth_look, *obstacle_look; /* as many */
-    int **pin_from;   /* [n_cloths][n_pins] index in the file's list of pins */
-    double particles; /* sum over all cloths */
+    int **pin_from; /* [n_cloths][n_pins] index in the file's list of pins */
+    struct scene_seam *seam;      /* [def.n_seams] */
+    int garments, *garment_cloth; /* [garments + 1] where each one's cloths
+                                     begin */
+    bool unsewn; /* some seams are as far apart as their pattern places them */
+    double particles;   /* sum over all cloths */
     int64_t degenerate; /* obstacle triangles without area */
     struct pool pool;   /* owns all that def points to */
     struct budget {

@@ -87,6 +87,22 @@ static const struct command {
      "wide (default: 0.005), and prints how near cells and outlines are, and "
      "the\n"
      "lengths of seams. DIR gets tables, a picture, and the panels as PLY.\n"},
+    {"sew", command_sew, "sew a garment and drape it on a body",
+     "drape sew PATTERN.json [--body MESH] [options] | SCENE.json [options]\n"
+     "  --body MESH      that wears it, in metres, y up\n"
+     "  --cell H         m, side of a cell (default: 0.005)\n"
+     "  --fabric NAME    of `drape materials` (default: light cotton)\n"
+     "  --frames N       at most (default: 600, or the scene's); ends at rest\n"
+     "  --out DIR        where to write (default: the name)\n"
+     "  --backend ref|gpu, --precision 32|64, --threads N, --block N\n"
+     "  --every N        write every N-th frame only\n"
+     "  --force          remove another run's files from DIR first\n"
+     "  --obj            frames as OBJ too, with names and UVs\n"
+     "  --no-picture     no pictures of the end, front and back\n"
+     "A scene has its `garments`. Writes what `run` writes; sew.json, how its "
+     "seams\nclosed; and sewn.json, a scene for `run` that begins as sewing "
+     "ended.\n"
+     "Exit status 1: a seam is open, or a step is not clean.\n"},
     {"export", command_export, "write a run as USD, glTF, Alembic, film …",
      "drape export DIR --to FILE [--every K]\n"
      "FILE ends in .usdc, .usda, .usd, .glb, .abc, .npz, or for a film in "

@@ -49,6 +49,7 @@ int command_render(int argc, char **argv);
 int command_ccd(int argc, char **argv);
 int command_convert(int argc, char **argv);
 int command_pattern(int argc, char **argv);
+int command_sew(int argc, char **argv);
 int command_materials(int argc, char **argv);
 int command_export(int argc, char **argv);
 int command_view(int argc, char **argv);

@@ -74,24 +74,41 @@ static void print_side(const struct pattern *pattern,
     printf(" %-*.40s %2d", width, pattern->panel[side->panel].name, side->edge);
 }
 
-static void print_seams(const struct garment *g, int width)
+/* A stitch is a side of each panel; its points are counted, and its gap is the
+ * largest where the pattern places them. */
+static int print_seam(const struct garment *g, int k, int width)
+{
+    const struct pattern_stitch *stitch = &g->pattern->stitch[k];
+    struct cut_seam seam;
+    double length[2];
+    int status = garment_seam(g, stitch, &seam);
+    if (status != APP_OK)
+        return status;
+    garment_lengths(g->pattern, stitch, length);
+    printf("%4d", k);
+    for (int s = 0; s < 2; s++) {
+        print_side(g->pattern, &stitch->side[s], width);
+        printf(" %9.2f", 1e3 * length[s]);
+    }
+    printf(" %6.4f %7d %8.2f%s%s\n", length[0] / length[1], seam.n,
+           1e2 * garment_gap(g, stitch, &seam),
+           garment_is_dart(g->pattern, stitch) ? " dart" : "",
+           stitch->turned ? " right to wrong" : "");
+    cut_seam_free(&seam);
+    return APP_OK;
+}
+
+static int print_seams(const struct garment *g, int width)
 {
     const struct pattern *pattern = g->pattern;
+    int status = APP_OK;
     if (pattern->stitches)
-        printf("\n%4s %-*s %9s %-*s %9s %6s\n", "seam", width + 3, "edge", "mm",
-               width + 3, "edge", "mm", "ratio");
-    for (int k = 0; k < pattern->stitches; k++) {
-        const struct pattern_stitch *stitch = &pattern->stitch[k];
-        double length[2];
-        garment_lengths(pattern, stitch, length);
-        printf("%4d", k);
-        for (int s = 0; s < 2; s++) {
-            print_side(pattern, &stitch->side[s], width);
-            printf(" %9.2f", 1e3 * length[s]);
-        }
-        printf(" %6.4f%s\n", length[0] / length[1],
-               stitch->turned ? " right to wrong" : "");
-    }
+        printf("\n%4s %-*s %9s %-*s %9s %6s %7s %8s\n", "seam", width + 3,
+               "edge", "mm", width + 3, "edge", "mm", "ratio", "points",
+               "gap cm");
+    for (int k = 0; k < pattern->stitches && status == APP_OK; k++)
+        status = print_seam(g, k, width);
+    return status;
 }
 
 int command_pattern(int argc, char **argv)
@@ -120,7 +137,7 @@ int command_pattern(int argc, char **argv)
     if (status == APP_OK) {
         int width = width_of(&garment);
         print_panels(&garment, width);
-        print_seams(&garment, width);
+        status = print_seams(&garment, width);
     }
     garment_free(&garment);
     pool_free(&pool);

@@ -149,6 +149,11 @@ static int begin(struct run *run, const char *scene_file)
     int status = scene_load(scene, scene_file);
     if (status != APP_OK)
         return status;
+    if (scene->unsewn)
+        return complain(APP_USAGE,
+                        "%s: a garment is not sewn yet: `drape sew` sews it, "
+                        "and writes a scene that runs",
+                        scene_file);
     if (run->frames >= 0)
         scene->frames = run->frames;
     if (!output_name(run->out, scene, run->directory))

@@ -69,7 +69,7 @@ int *folder_list(const char *path, const char *body, const char *end,
     return number;
 }
 
-/* All files that `run` and `render` write, numbered and single. */
+/* All files that `run`, `sew` and `render` write, numbered and single. */
 static const struct kind {
     const char *folder, *body, *end;
     bool frame; /* the number is a frame's */
@@ -77,11 +77,12 @@ static const struct kind {
     {"frames", "cloth", "ply", true},     {"frames", "cloth", "obj", true},
     {"frames", "obstacles", "ply", true}, {"frames", "obstacles", "obj", true},
     {"frames", "contacts", "ply", true},  {"pictures", "frame", "png", true},
-    {"pictures", "film", "png", false}};
+    {"pictures", "film", "png", false},   {"pictures", "front", "png", true},
+    {"pictures", "back", "png", true},    {".", "sewn", "ply", false}};
 static const char *const results[] = {
-    "report.json", "obstacles.ply",    "cloth.pc2",    "trace.csv",
-    "film.mp4",    "checkpoint.drape", "obstacles.obj"};
-enum { KINDS = 7, FILM_PICTURES = 6, RESULTS = 7, FILM = 4, CHECKPOINT = 5 };
+    "report.json",      "obstacles.ply", "cloth.pc2", "trace.csv", "film.mp4",
+    "checkpoint.drape", "obstacles.obj", "sew.json",  "sewn.json"};
+enum { KINDS = 10, FILM_PICTURES = 6, RESULTS = 9, FILM = 4, CHECKPOINT = 5 };
 
 static int remove_file(const char *directory, const char *name)
 {

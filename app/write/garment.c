@@ -77,22 +77,59 @@ static bool put_edges(const struct garment *g, FILE *out)
     return true;
 }
 
+static bool put_seam(const struct garment *g, int k, FILE *out)
+{
+    const struct pattern_stitch *stitch = &g->pattern->stitch[k];
+    struct cut_seam seam;
+    double length[2];
+    if (garment_seam(g, stitch, &seam) != APP_OK)
+        return false;
+    garment_lengths(g->pattern, stitch, length);
+    fprintf(out, "%d", k);
+    for (int s = 0; s < 2; s++) {
+        fputc(',', out);
+        put_text(out, g->pattern->panel[stitch->side[s].panel].name);
+        fprintf(out, ",%d,%.9g", stitch->side[s].edge, length[s]);
+    }
+    fprintf(out, ",%.6g,%d,%d,%d,%.9g\n", length[0] / length[1], stitch->turned,
+            garment_is_dart(g->pattern, stitch), seam.n,
+            garment_gap(g, stitch, &seam));
+    cut_seam_free(&seam);
+    return true;
+}
+
 static bool put_seams(const struct garment *g, FILE *out)
 {
     fputs("seam,panel_a,edge_a,length_a_m,panel_b,edge_b,length_b_m,ratio,"
-          "right_wrong\n",
+          "right_wrong,dart,points,gap_m\n",
+          out);
+    for (int k = 0; k < g->pattern->stitches; k++)
+        if (!put_seam(g, k, out))
+            return false;
+    return true;
+}
+
+/* Each point of each seam: a particle, and the two between which it is held. */
+static bool put_points(const struct garment *g, FILE *out)
+{
+    fputs("seam,at,panel,edge,particle,onto_panel,onto_edge,onto_a,onto_b,part,"
+          "length_m\n",
           out);
     for (int k = 0; k < g->pattern->stitches; k++) {
         const struct pattern_stitch *stitch = &g->pattern->stitch[k];
-        double length[2];
-        garment_lengths(g->pattern, stitch, length);
-        fprintf(out, "%d", k);
-        for (int s = 0; s < 2; s++) {
-            fputc(',', out);
-            put_text(out, g->pattern->panel[stitch->side[s].panel].name);
-            fprintf(out, ",%d,%.9g", stitch->side[s].edge, length[s]);
+        struct cut_seam seam;
+        if (garment_seam(g, stitch, &seam) != APP_OK)
+            return false;
+        const struct pattern_side *fine = &stitch->side[seam.fine];
+        const struct pattern_side *onto = &stitch->side[!seam.fine];
+        for (int p = 0; p < seam.n; p++) {
+            const struct cut_point *point = &seam.point[p];
+            fprintf(out, "%d,%.9g,%d,%d,%d,%d,%d,%d,%d,%.9g,%.9g\n", k,
+                    point->at, fine->panel, fine->edge, point->particle,
+                    onto->panel, onto->edge, point->onto[0], point->onto[1],
+                    point->part, point->length);
         }
-        fprintf(out, ",%.6g,%d\n", length[0] / length[1], stitch->turned);
+        cut_seam_free(&seam);
     }
     return true;
 }
@@ -117,7 +154,7 @@ static void append(const struct garment_panel *p, bool placed,
         x[1] = cut->x[k][1];
         x[2] = 0;
         if (placed)
-            garment_place(p->panel, cut->x[k], x);
+            garment_stand(p, cut->x[k], x);
     }
     for (int64_t c = 0; c < (int64_t)(cut->m - 1) * (cut->n - 1); c++) {
         int32_t tri[2][3];
@@ -155,17 +192,21 @@ static bool put_mesh(const struct garment *g, int from, int to, bool placed,
     return good;
 }
 
+/* The files that every garment has. */
+enum { FILES = 6 };
 /* The name of file k of a garment: the tables, the picture, all panels, and
  * each of them. Of a panel's name only letters, digits, - and _ are kept. */
 static void name_file(const struct garment *g, int k, char name[96])
 {
-    static const char *const names[] = {"panels.csv", "edges.csv", "seams.csv",
+    static const char *const names[] = {"panels.csv",  "edges.csv",
+                                        "seams.csv",   "points.csv",
                                         "pattern.svg", "placed.ply"};
-    if (k < 5) {
+    if (k < FILES) {
         snprintf(name, 96, "%s", names[k]);
         return;
     }
-    snprintf(name, 96, "%02d_%.60s.ply", k - 5, g->pattern->panel[k - 5].name);
+    snprintf(name, 96, "%02d_%.60s.ply", k - FILES,
+             g->pattern->panel[k - FILES].name);
     for (char *c = name; *c && strcmp(c, ".ply") != 0; c++)
         if (!isalnum((unsigned char)*c) && *c != '-')
             *c = '_';
@@ -174,12 +215,12 @@ static void name_file(const struct garment *g, int k, char name[96])
 static bool put(const struct garment *g, int k, FILE *out)
 {
     static bool (*const table[])(const struct garment *, FILE *) = {
-        put_panels, put_edges, put_seams, put_picture};
-    if (k < 4)
+        put_panels, put_edges, put_seams, put_points, put_picture};
+    if (k < FILES - 1)
         return table[k](g, out);
-    if (k == 4)
+    if (k == FILES - 1)
         return put_mesh(g, 0, g->pattern->panels, true, out);
-    return put_mesh(g, k - 5, k - 4, false, out);
+    return put_mesh(g, k - FILES, k - FILES + 1, false, out);
 }
 
 static int save(const struct garment *g, int k, const char *directory)
@@ -200,7 +241,7 @@ int garment_save(const struct garment *garment, const char *directory)
     if (!file_make_directory(directory))
         return APP_FAILED;
     int status = APP_OK, k = 0;
-    for (; k < 5 + garment->pattern->panels && status == APP_OK; k++)
+    for (; k < FILES + garment->pattern->panels && status == APP_OK; k++)
         status = save(garment, k, directory);
     for (k -= 2; k >= 0 && status != APP_OK; k--) {
         char name[96], path[FILE_PATH];

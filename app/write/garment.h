@@ -7,10 +7,11 @@
 
 #include <stdio.h>
 
-/* Makes the folder and writes: panels.csv, edges.csv, seams.csv and
- * pattern.svg; each panel flat at rest as NUMBER_NAME.ply, in m; and all of
- * them as placed.ply, where the pattern places them. Returns app_exit. After a
- * failure, which prints one line, no file of this call is left. */
+/* Makes the folder and writes: panels.csv, edges.csv, seams.csv,
+ * points.csv and pattern.svg; each panel flat at rest as NUMBER_NAME.ply, in m;
+ * and all of them as placed.ply, where the pattern places them. Returns
+ * app_exit. After a failure, which prints one line, no file of this call is
+ * left. */
 int garment_save(const struct garment *garment, const char *directory);
 
 /* Writes the picture: the cells that were cut, the outlines as drawn, the

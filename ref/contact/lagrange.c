@@ -25,7 +25,7 @@ static const real SLOPE = R(0.1); /* §3.2: of the slope at a step's start, what
                                      a line search may leave */
 static const real GROSS = 2;      /* §4: of what cloths carry, what linear
                                      springs may leave undone */
-static const real ANEW = R(0.2);  /* §4: of the same, what Newton's part may
+static const real ANEW = R(0.05); /* §4: of the same, what Newton's part may
                                      leave undone */
 static const real EARTH = R(9.81); /* §3.4: m/s², the least g of the scale */
 static const real STRUCK = R(0.5); /* §5: of g dt */

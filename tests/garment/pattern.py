@@ -28,7 +28,7 @@ def run(drape, path, out, cell):
                           capture_output=True, text=True, check=False)
     assert done.returncode == 0, (path, done.stderr)
     tables = {}
-    for name in ("panels", "edges", "seams"):
+    for name in ("panels", "edges", "seams", "points"):
         with open(os.path.join(out, name + ".csv"), newline="", encoding="utf-8") as f:
             tables[name] = list(csv.DictReader(f))
     return tables, done
@@ -161,9 +161,9 @@ def random_panel(seed):
             return panel
 
 
-def write(path, panels, **properties):
+def write(path, panels, stitches=(), **properties):
     with open(path, "w", encoding="utf-8") as file:
-        json.dump({"pattern": {"panels": panels, "stitches": []}, "properties":
+        json.dump({"pattern": {"panels": panels, "stitches": list(stitches)}, "properties":
                    {"units_in_meter": UNIT, **properties}}, file)
 
 
@@ -215,6 +215,114 @@ def check_random(drape, work):
         assert abs(float(a["area_m2"]) - float(b["area_m2"])) < 1e-9
 
 
+def at_length(line, part):
+    """The point of a polyline at a part of its length."""
+    steps = [abs(b - a) for a, b in zip(line, line[1:])]
+    left = part * sum(steps)
+    for k, step in enumerate(steps):
+        if left <= step or k == len(steps) - 1:
+            return line[k] + (line[k + 1] - line[k]) * left / step
+        left -= step
+    raise AssertionError
+
+
+def look_at_seams(pattern, tables, cell, unit):
+    """Each point of each seam: what it joins must be, within a cell and a half, at
+    the same part of both edges' lengths, one of which runs against the other."""
+    names, panels = [row["panel"] for row in tables["panels"]], pattern["panels"]
+    ring = {name: outline(panel, unit) for name, panel in panels.items()}
+    corner = {name: complex(min(p.real for p in line), min(p.imag for p in line))
+              for name, line in ring.items()}
+
+    def grid(name, p):
+        m = int(tables["panels"][names.index(name)]["m"])
+        return corner[name] + cell * complex(p % m, p // m)
+
+    counts = [0] * len(pattern["stitches"])
+    for row in tables["points"]:
+        k = int(row["seam"])
+        stitch = pattern["stitches"][k]
+        mine = names[int(row["panel"])], int(row["edge"])
+        onto = names[int(row["onto_panel"])], int(row["onto_edge"])
+        sides = [(side["panel"], side["edge"]) for side in stitch[:2]]
+        assert sorted([mine, onto]) == sorted(sides), row
+        # how far along the first edge, as the file has it, and along the second
+        first = float(row["at"])
+        first = first if area(ring[sides[0][0]]) > 0 else 1 - first
+        far = dict(zip(sides, (first, first if stitch[2:] == ["right_wrong"]
+                               else 1 - first)))
+        want = [at_length(points(panels[name], panels[name]["edges"][edge], unit),
+                          far[name, edge]) for name, edge in (mine, onto)]
+        part = float(row["part"])
+        a, b = (grid(onto[0], int(row[key])) for key in ("onto_a", "onto_b"))
+        got = grid(mine[0], int(row["particle"])), (1 - part) * a + part * b
+        assert 0 <= part <= 1 and abs(a - b) < 2.9 * cell, row
+        assert all(abs(p - q) < 1.5 * cell for p, q in zip(got, want)), (row, got, want)
+        counts[k] += 1
+    for k, row in enumerate(tables["seams"]):
+        lengths = [float(row["length_a_m"]), float(row["length_b_m"])]
+        assert counts[k] == int(row["points"])
+        assert counts[k] > 0.6 * max(lengths) / cell - 2, row
+
+
+def check_seams(drape, work):
+    """Seams of random edges: of two panels, which may be drawn clockwise, of one
+    panel, of edges that meet, and those that join a right to a wrong side."""
+    dice = random.Random(5)
+    panels, stitches = {}, []
+    for k in range(16):
+        panel = random_panel(100 + k)
+        if k % 3 == 1:  # a mirror image
+            panel["vertices"] = [[-x, y] for x, y in panel["vertices"]]
+            for edge in panel["edges"]:
+                bent = edge.get("curvature")
+                if isinstance(bent, list):
+                    bent[1] *= -1
+                elif bent and bent["type"] == "circle":
+                    bent["params"][2] = 1 - bent["params"][2]
+                elif bent:
+                    bent["params"] = [[x, -y] for x, y in bent["params"]]
+        panels[f"panel {k}"] = panel
+    free = [(name, edge) for name, panel in panels.items()
+            for edge in range(len(panel["edges"]))]
+    dart = [("panel 0", 0), ("panel 0", 1)]
+    free = [side for side in free if side not in dart]
+    dice.shuffle(free)
+    free = dart + free
+    for a, b in zip(free[::2], free[1::2]):
+        stitches.append([{"panel": name, "edge": edge} for name, edge in (a, b)])
+        if dice.random() < 0.4:
+            stitches[-1].append("right_wrong")
+    path = os.path.join(work, "seams.json")
+    write(path, panels, stitches)
+    tables, _ = run(drape, path, os.path.join(work, "seams"), 0.004)
+    assert any(row["dart"] == "1" for row in tables["seams"])
+    look_at_seams({"panels": panels, "stitches": stitches}, tables, 0.004, UNIT)
+
+
+def check_eased(drape, work):
+    """Two squares of whole cells, 10 and 7 cells wide: every place is exact."""
+    panels = {}
+    for name, side in (("wide", 10), ("narrow", 7)):
+        at = [[0, 0], [side, 0], [side, 20], [0, 20]]
+        panels[name] = {"vertices": at, "edges": [{"endpoints": [k, (k + 1) % 4]}
+                                                  for k in range(4)]}
+    panels["narrow"]["translation"] = [0, 0, 30]
+    path = os.path.join(work, "eased.json")
+    write(path, panels, [[{"panel": "narrow", "edge": 0}, {"panel": "wide", "edge": 2}]])
+    tables, _ = run(drape, path, os.path.join(work, "eased"), 0.01)
+    assert len(tables["points"]) == 11
+    for k, row in enumerate(tables["points"]):
+        part = float(row["part"])
+        place = (1 - part) * int(row["onto_a"]) + part * int(row["onto_b"])
+        # along the lower edge of one, against the upper one of the other
+        assert abs(place - 0.7 * k) < 1e-9 and int(row["particle"]) == 220 + k, row
+        length = 0.01 if 0 < k < 10 else 0.005
+        assert abs(float(row["length_m"]) - length) < 1e-9, row
+    gap = float(tables["seams"][0]["gap_m"])
+    assert abs(gap - math.hypot(0.03, 0.2, 0.3)) < 1e-9, gap
+
+
 def check_arcs(drape, work):
     """The four arcs of one radius: above or below a chord of 10, small or large."""
     for large in (0, 1):
@@ -256,7 +364,7 @@ def check_square(drape, work):
     x, _ = ply(os.path.join(out, "00_a____b.ply"))
     assert max(abs(a - b) for a, b in zip(x[0], (0.03, 0.04, 0))) < 1e-12, x[0]
     assert sorted(os.listdir(out)) == ["00_a____b.ply", "edges.csv", "panels.csv",
-                                       "pattern.svg", "placed.ply", "seams.csv"]
+                                       "pattern.svg", "placed.ply", "points.csv", "seams.csv"]
 
 
 def check_file(drape, path, work):
@@ -270,6 +378,7 @@ def check_file(drape, path, work):
         tables, _ = run(drape, path, out, cell)
         assert len(tables["panels"]) == len(panels)
         assert len(tables["seams"]) == len(pattern["pattern"]["stitches"])
+        look_at_seams(pattern["pattern"], tables, cell, unit)
         for k, row in enumerate(tables["panels"]):
             assert abs(float(row["area_error"])) < 1e-3, row
             assert float(row["outline_cells"]) < 0.7, row
@@ -291,6 +400,8 @@ def main(drape, *paths):
         check_square(drape, work)
         check_arcs(drape, work)
         check_random(drape, work)
+        check_seams(drape, work)
+        check_eased(drape, work)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,291 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Places panels: where the pattern has them, rolled if they are sewn to
+ * themselves, and parted where they touch in one plane. app/patterns/README.md
+ * §10 */
+#include "app/base/app.h"
+#include "app/scene/garment.h"
+
+#include <math.h>
+
+/* Panels are in one plane if their normals are within this angle, rad, and
+ * their planes within half a cell. */
+static const double parallel = 0.02;
+static const double way = 0.01; /* m, that each of two panels is moved */
+/* Panels are near below two cells, where contact might press in the first step,
+ * and below what parted panels are apart. */
+static double reach_of(double h)
+{
+    return fmin(2 * h, 1.5 * way);
+}
+
+/* What of a tube is open at the start, as a part. */
+static const double left_open = 0.1;
+/* Edges make a panel a tube if their angle is less than 90 degrees: the cosine
+ * of half of that. */
+static const double opposite = 0.7;
+/* A panel may have been moved towards a third. */
+enum { ROUNDS = 8 };
+
+/* Turns two coordinates by an angle in degrees. */
+static void turn(double *a, double *b, double degrees)
+{
+    double angle = degrees * acos(-1) / 180;
+    double x = *a, y = *b;
+    *a = cos(angle) * x - sin(angle) * y;
+    *b = sin(angle) * x + cos(angle) * y;
+}
+
+/* Where the pattern places a point, of which x[2] is above the panel, m. */
+static void place(const struct pattern_panel *panel, const double x[3],
+                  double out[3])
+{
+    for (int i = 0; i < 3; i++)
+        out[i] = x[i];
+    turn(&out[1], &out[2], panel->turn[0]);
+    turn(&out[2], &out[0], panel->turn[1]);
+    turn(&out[0], &out[1], panel->turn[2]);
+    for (int i = 0; i < 3; i++)
+        out[i] += panel->at[i];
+}
+
+void garment_stand(const struct garment_panel *panel, const double x[2],
+                   double out[3])
+{
+    const struct garment_roll *roll = &panel->roll;
+    double y[3] = {x[0], x[1], 0};
+    if (roll->radius > 0) {
+        const double *u = roll->along;
+        double to[2] = {x[0] - roll->at[0], x[1] - roll->at[1]};
+        double far = to[1] * u[0] - to[0] * u[1];
+        double angle = far / roll->radius;
+        double by = roll->radius * sin(angle) - far;
+        double down = roll->radius * (1 - cos(angle));
+        y[0] -= by * u[1];
+        y[1] += by * u[0];
+        y[2] = garment_is_clockwise(panel->panel) ? down : -down;
+    }
+    place(panel->panel, y, out);
+    for (int i = 0; i < 3; i++)
+        out[i] += panel->shift[i];
+}
+
+/* The line between two edges of a panel along which it is rolled. false: they
+ * are not opposite each other. */
+static bool find_axis(const struct garment_panel *p, int a, int b,
+                      struct garment_roll *roll)
+{
+    const struct curve *one = &p->panel->outline[a];
+    const struct curve *two = &p->panel->outline[b];
+    double l = plane_length(one->b[0] - one->a[0], one->b[1] - one->a[1]);
+    double m = plane_length(two->b[0] - two->a[0], two->b[1] - two->a[1]);
+    if (!(l > 0 && m > 0))
+        return false;
+    for (int i = 0; i < 2; i++) {
+        /* the loop runs along one and back along the other */
+        roll->along[i] =
+            (one->b[i] - one->a[i]) / l - (two->b[i] - two->a[i]) / m;
+        roll->at[i] = (one->a[i] + one->b[i] + two->a[i] + two->b[i]) / 4;
+    }
+    double length = plane_length(roll->along[0], roll->along[1]);
+    roll->along[0] /= length;
+    roll->along[1] /= length;
+    return length > 2 * opposite;
+}
+
+void garment_roll_up(struct garment *garment)
+{
+    const struct pattern *pattern = garment->pattern;
+    for (int k = 0; k < pattern->stitches; k++) {
+        const struct pattern_stitch *stitch = &pattern->stitch[k];
+        struct garment_panel *p = &garment->panel[stitch->side[0].panel];
+        const struct outline *o = &p->outline;
+        struct garment_roll roll = {0};
+        int a = garment_find_edge(p->panel, stitch->side[0].edge);
+        int b = garment_find_edge(p->panel, stitch->side[1].edge);
+        if (stitch->side[0].panel != stitch->side[1].panel || stitch->turned ||
+            garment_is_dart(pattern, stitch) || !find_axis(p, a, b, &roll))
+            continue;
+        double half = 0;
+        for (int i = 0; i < o->n; i++) {
+            double to[2] = {o->x[i][0] - roll.at[0], o->x[i][1] - roll.at[1]};
+            half =
+                fmax(half, fabs(to[1] * roll.along[0] - to[0] * roll.along[1]));
+        }
+        roll.radius = half / (acos(-1) * (1 - left_open));
+        p->roll = roll;
+    }
+}
+
+double garment_gap(const struct garment *garment,
+                   const struct pattern_stitch *stitch,
+                   const struct cut_seam *seam)
+{
+    double most = 0;
+    const struct garment_panel *p =
+        &garment->panel[stitch->side[seam->fine].panel];
+    const struct garment_panel *q =
+        &garment->panel[stitch->side[!seam->fine].panel];
+    for (int k = 0; k < seam->n; k++) {
+        const struct cut_point *point = &seam->point[k];
+        double x[3], a[3], b[3], sum = 0;
+        garment_stand(p, p->cut.x[point->particle], x);
+        garment_stand(q, q->cut.x[point->onto[0]], a);
+        garment_stand(q, q->cut.x[point->onto[1]], b);
+        for (int i = 0; i < 3; i++) {
+            double gap = x[i] - a[i] - point->part * (b[i] - a[i]);
+            sum += gap * gap;
+        }
+        most = fmax(most, sqrt(sum));
+    }
+    return most;
+}
+
+/* A panel in space. */
+struct sheet {
+    const struct garment_panel *panel;
+    double u[3], v[3], n[3]; /* the directions of its plane, and its normal */
+    double middle[3];        /* of its outline */
+};
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void make_sheet(const struct garment_panel *p, struct sheet *sheet)
+{
+    const struct outline *o = &p->outline;
+    double at[3], u[3], v[3], x[3];
+    garment_stand(p, (double[]){0, 0}, at);
+    garment_stand(p, (double[]){1, 0}, u);
+    garment_stand(p, (double[]){0, 1}, v);
+    *sheet = (struct sheet){.panel = p};
+    for (int i = 0; i < 3; i++) {
+        sheet->u[i] = u[i] - at[i];
+        sheet->v[i] = v[i] - at[i];
+    }
+    for (int i = 0; i < 3; i++)
+        sheet->n[i] = sheet->u[(i + 1) % 3] * sheet->v[(i + 2) % 3] -
+                      sheet->u[(i + 2) % 3] * sheet->v[(i + 1) % 3];
+    for (int k = 0; k < o->n; k++) {
+        garment_stand(p, o->x[k], x);
+        for (int i = 0; i < 3; i++)
+            sheet->middle[i] += x[i] / o->n;
+    }
+}
+
+/* Where two outlines are near each other, in the plane of the first. */
+struct meeting {
+    int count;
+    double sum[2], square[3]; /* of the places: x, y; xx, xy, yy */
+};
+
+static void add(struct meeting *m, const double x[2])
+{
+    m->count++;
+    m->sum[0] += x[0];
+    m->sum[1] += x[1];
+    m->square[0] += x[0] * x[0];
+    m->square[1] += x[0] * x[1];
+    m->square[2] += x[1] * x[1];
+}
+
+/* Adds the points of b's outline within `reach` of a's. */
+static void meet(const struct sheet *a, const struct sheet *b, double reach,
+                 struct meeting *m)
+{
+    const struct outline *o = &a->panel->outline, *q = &b->panel->outline;
+    double at[3];
+    garment_stand(a->panel, (double[]){0, 0}, at);
+    for (int k = 0; k < q->n; k++) {
+        double x[3], y[2], near[2];
+        garment_stand(b->panel, q->x[k], x);
+        for (int i = 0; i < 3; i++)
+            x[i] -= at[i];
+        y[0] = dot(x, a->u);
+        y[1] = dot(x, a->v);
+        bool close = y[0] > o->lo[0] - reach && y[0] < o->hi[0] + reach &&
+                     y[1] > o->lo[1] - reach && y[1] < o->hi[1] + reach;
+        for (int j = 0; close && j < o->n; j++)
+            if (segment_distance(y, o->x[j], o->x[j + 1], near) < reach) {
+                add(m, y);
+                break;
+            }
+    }
+}
+
+/* The direction across the line along which two panels meet, from a to b; where
+ * they meet in a point, from middle to middle. */
+static void find_way(const struct sheet *a, const struct sheet *b,
+                     const struct meeting *m, double h, double out[3])
+{
+    double n = m->count, x = m->sum[0] / n, y = m->sum[1] / n;
+    double xx = m->square[0] / n - x * x, yy = m->square[2] / n - y * y;
+    double xy = m->square[1] / n - x * y;
+    double middle[3], across[2];
+    for (int i = 0; i < 3; i++)
+        middle[i] = b->middle[i] - a->middle[i];
+    double to[2] = {dot(middle, a->u), dot(middle, a->v)};
+    double angle = atan2(2 * xy, xx - yy) / 2;
+    bool line = xx + yy > reach_of(h) * reach_of(h);
+    across[0] = line ? -sin(angle) : to[0];
+    across[1] = line ? cos(angle) : to[1];
+    double length = plane_length(across[0], across[1]);
+    double sign = across[0] * to[0] + across[1] * to[1] < 0 ? -1 : 1;
+    for (int i = 0; i < 3; i++)
+        out[i] =
+            length > 0
+                ? sign * (across[0] * a->u[i] + across[1] * a->v[i]) / length
+                : a->u[i];
+}
+
+/* Whether two panels are in one plane and near each other; out: the way from
+ * the first to the second. */
+static bool is_near(const struct sheet *a, const struct sheet *b, double h,
+                    double out[3])
+{
+    double apart[3];
+    struct meeting m = {0};
+    double reach = reach_of(h);
+    for (int i = 0; i < 3; i++)
+        apart[i] = b->middle[i] - a->middle[i];
+    if (a->panel->roll.radius > 0 || b->panel->roll.radius > 0)
+        return false;
+    if (fabs(dot(a->n, b->n)) < cos(parallel) || fabs(dot(apart, a->n)) > h / 2)
+        return false;
+    meet(a, b, reach, &m);
+    if (!m.count)
+        return false;
+    find_way(a, b, &m, h, out);
+    return true;
+}
+
+void garment_part(struct garment *garment)
+{
+    int panels = garment->pattern->panels;
+    bool moved = true;
+    for (int round = 0; round < ROUNDS && moved; round++) {
+        moved = false;
+        for (int i = 0; i < panels; i++)
+            for (int j = i + 1; j < panels; j++) {
+                struct garment_panel *p = &garment->panel[i];
+                struct garment_panel *q = &garment->panel[j];
+                struct sheet a, b;
+                double to[3];
+                make_sheet(p, &a);
+                make_sheet(q, &b);
+                if (!is_near(&a, &b, garment->h, to))
+                    continue;
+                complain(APP_OK,
+                         "%s: note: panels %s and %s touch in one plane, and "
+                         "are parted by %g cm each",
+                         garment->pattern->file, p->panel->name, q->panel->name,
+                         1e2 * way);
+                for (int k = 0; k < 3; k++) {
+                    p->shift[k] -= way * to[k];
+                    q->shift[k] += way * to[k];
+                }
+                moved = true;
+            }
+    }
+}

@@ -1,0 +1,410 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Draws the seams of a scene's garments together: app/patterns/README.md §11.
+ */
+#include "app/scene/sewing.h"
+#include "app/base/app.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *const sewing_stages[SEWING_STAGES] = {"darts", "across", "up",
+                                                  "worn"};
+
+/* The fastest target. Within a step of 1/60 s it falls by 8 mm, which is less
+ * than cloth moves when it falls freely for 0.05 s. */
+static const double fastest = 0.5; /* m/s */
+/* A target waits if the gap lags by this part of a cell, or the seam pulls by
+ * more than this; it gives way at twice the pull. 30 N/m strains light cotton
+ * by 3 %. */
+static const double lag = 0.5, strongest = 30; /* N/m */
+/* What is called closed: this part of a cell. */
+static const double closed = 0.05;
+/* Of the velocity, what a step of sewing leaves. */
+static const double damping = 0.9;
+/* A seam whose ends are less steep than this runs across: sine of the angle. */
+static const double steep = 0.6;
+/* Panels that were parted are nearer than this, m, and are sewn early. */
+static const double parted = 0.05;
+/* Steps without progress after which a stage gives up, s; frames in which
+ * gravity comes. */
+static const double patience = 1.5;
+enum { RAMP = 30 };
+
+static double length_of(const double a[3])
+{
+    return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+}
+
+static int no_memory(void)
+{
+    return complain(APP_FAILED, "out of memory");
+}
+
+static int failed(const char *what, int status)
+{
+    return complain(APP_FAILED, "sew: %s: %s", what, drape_status_text(status));
+}
+
+/* Where a cloth's particles start. */
+static const double *start_of(const struct sewing *s, int cloth, int32_t p)
+{
+    return s->whole.cloths[cloth].x[p];
+}
+
+/* Decides when a seam's turn comes, by the start. */
+static void choose_stage(struct sewing *s, int k)
+{
+    const drape_seam *seam = &s->whole.seams[k];
+    double up[3] = {0, 1, 0}, along[3], most = 0, g, rise = 0;
+    g = length_of(s->whole.gravity);
+    for (int i = 0; i < 3 && g > 0; i++)
+        up[i] = -s->whole.gravity[i] / g;
+    for (int64_t p = 0; p < seam->n; p++) {
+        const double *x = start_of(s, seam->cloth[0], seam->particle[p]);
+        const double *a = start_of(s, seam->cloth[1], seam->onto[p][0]);
+        double gap[3] = {x[0] - a[0], x[1] - a[1], x[2] - a[2]};
+        most = fmax(most, length_of(gap));
+    }
+    const double *a = start_of(s, seam->cloth[0], seam->particle[0]);
+    const double *b = start_of(s, seam->cloth[0], seam->particle[seam->n - 1]);
+    for (int i = 0; i < 3; i++) {
+        along[i] = b[i] - a[i];
+        rise += along[i] * up[i];
+    }
+    bool across = fabs(rise) < steep * length_of(along) || most < parted;
+    s->seam[k].stage = s->scene->seam[k].dart ? SEWING_DARTS
+                       : across               ? SEWING_ACROSS
+                                              : SEWING_UP;
+}
+
+static int make_seams(struct sewing *s)
+{
+    int seams = s->whole.n_seams;
+    s->seam = pool_take(&s->pool, (size_t)seams + 1, sizeof *s->seam);
+    if (!s->seam)
+        return no_memory();
+    for (int k = 0; k < seams; k++) {
+        struct sewing_seam *seam = &s->seam[k];
+        size_t n = (size_t)s->whole.seams[k].n;
+        seam->n = (int64_t)n;
+        seam->index = -1;
+        seam->from = pool_take(&s->pool, n, sizeof *seam->from);
+        seam->gap = pool_take(&s->pool, n, sizeof *seam->gap);
+        seam->pull = pool_take(&s->pool, n, sizeof *seam->pull);
+        seam->target = pool_take(&s->pool, n, sizeof *seam->target);
+        seam->way = pool_take(&s->pool, n, sizeof *seam->way);
+        if (!seam->from || !seam->gap || !seam->pull || !seam->target ||
+            !seam->way)
+            return no_memory();
+        choose_stage(s, k);
+    }
+    return APP_OK;
+}
+
+/* Makes the scene as it is once, to check it and to see where its bodies are at
+ * time 0, and takes memory for what stages change. */
+static int look(struct sewing *s)
+{
+    const drape_def *def = &s->whole;
+    int cloths = def->n_cloths, obstacles = def->n_obstacles;
+    int status = scene_create(s->scene, s->overrides, &s->world);
+    if (status != APP_OK)
+        return status;
+    s->whole = s->scene->def; /* with the overrides */
+    s->nv = drape_vertices(s->world);
+    s->nt = drape_triangles(s->world);
+    s->nc = drape_first_vertex(s->world, cloths);
+    size_t nv = (size_t)s->nv, nt = (size_t)s->nt;
+    s->x = pool_take(&s->pool, nv + 1, sizeof *s->x);
+    s->v = pool_take(&s->pool, nv + 1, sizeof *s->v);
+    s->tri = pool_take(&s->pool, nt + 1, sizeof *s->tri);
+    s->group = pool_take(&s->pool, nt + 1, sizeof *s->group);
+    s->cloth = pool_take(&s->pool, (size_t)cloths, sizeof *s->cloth);
+    s->obstacle =
+        pool_take(&s->pool, (size_t)obstacles + 1, sizeof *s->obstacle);
+    s->turn = pool_take(&s->pool, (size_t)def->n_seams + 1, sizeof *s->turn);
+    if (!s->x || !s->v || !s->tri || !s->group || !s->cloth || !s->obstacle ||
+        !s->turn)
+        return no_memory();
+    int known = drape_read_triangles(s->world, s->tri);
+    for (int64_t k = 0; k < s->nt; k++)
+        s->group[k] = s->tri[k][0] < s->nc;
+    return known == DRAPE_OK ? APP_OK : failed("the triangles", known);
+}
+
+/* The definition of a stage, in the state of the world before it. */
+static void define(struct sewing *s, enum sewing_stage stage)
+{
+    drape_def *def = &s->scene->def;
+    bool worn = stage == SEWING_WORN;
+    int64_t at = 0;
+    *def = s->whole;
+    for (int k = 0; k < def->n_cloths; k++) {
+        s->cloth[k] = s->whole.cloths[k];
+        s->cloth[k].x = (const double(*)[3])s->x + at;
+        s->cloth[k].velocity = (const double(*)[3])s->v + at;
+        at += (int64_t)s->cloth[k].m * s->cloth[k].n;
+        if (!worn)
+            s->cloth[k].material.friction = 0;
+    }
+    for (int k = 0; k < def->n_obstacles; k++) {
+        s->obstacle[k] = s->whole.obstacles[k];
+        s->obstacle[k].x = (const double(*)[3])s->x + at;
+        s->obstacle[k].motion = -1;
+        s->obstacle[k].frames = 0;
+        at += s->obstacle[k].n_vertices;
+        if (!worn)
+            s->obstacle[k].friction = 0;
+    }
+    def->cloths = s->cloth;
+    def->obstacles = s->obstacle;
+    def->seams = s->turn;
+    def->n_seams = 0;
+    for (int k = 0; k < s->whole.n_seams; k++) {
+        s->seam[k].index = -1;
+        if (s->seam[k].stage > stage)
+            continue;
+        s->seam[k].index = def->n_seams;
+        s->turn[def->n_seams++] = s->whole.seams[k];
+    }
+    memset(def->gravity, 0, sizeof def->gravity);
+    if (!worn)
+        def->sleep = 0;
+}
+
+/* Reads what the seams are like. */
+static int read_seams(struct sewing *s)
+{
+    for (int k = 0; k < s->whole.n_seams; k++) {
+        struct sewing_seam *seam = &s->seam[k];
+        if (seam->index < 0)
+            continue;
+        int status =
+            drape_seam_state(s->world, seam->index, seam->gap, seam->pull);
+        if (status != DRAPE_OK)
+            return failed("a seam", status);
+        seam->most = seam->strongest = 0;
+        for (int64_t p = 0; p < seam->n; p++) {
+            double gap = length_of(seam->gap[p]);
+            double pull =
+                length_of(seam->pull[p]) / s->scene->seam[k].length[p];
+            if (gap > seam->most) {
+                seam->most = gap;
+                seam->worst = (int)p;
+            }
+            seam->strongest = fmax(seam->strongest, pull);
+        }
+        bool is = sewing_is_closed(s, k);
+        seam->closed = !is ? 0 : seam->closed ? seam->closed : s->steps;
+    }
+    return APP_OK;
+}
+
+/* Gives the seams whose turn comes their way to go. All of a stage close in one
+ * time, so that where seams meet their targets agree. */
+static void begin_seams(struct sewing *s)
+{
+    double most = 0;
+    for (int k = 0; k < s->whole.n_seams; k++)
+        if (s->seam[k].stage == s->stage)
+            most = fmax(most, s->seam[k].most);
+    for (int k = 0; k < s->whole.n_seams; k++) {
+        struct sewing_seam *seam = &s->seam[k];
+        if (seam->stage != s->stage)
+            continue;
+        memcpy(seam->from, seam->gap, (size_t)seam->n * sizeof *seam->from);
+        memcpy(seam->target, seam->gap, (size_t)seam->n * sizeof *seam->from);
+        seam->rate = most > 0 ? fastest / most : 1 / s->whole.dt;
+    }
+}
+
+static int enter(struct sewing *s, enum sewing_stage stage)
+{
+    int status = drape_read(s->world, s->x, s->v);
+    if (status != DRAPE_OK)
+        return failed("the state", status);
+    drape_destroy(s->world);
+    s->world = NULL;
+    s->stage = stage;
+    s->begun[stage] = s->steps;
+    s->still = 0;
+    s->left = INFINITY;
+    define(s, stage);
+    status = scene_create(s->scene, s->overrides, &s->world);
+    if (status == APP_OK)
+        status = read_seams(s);
+    if (status == APP_OK)
+        begin_seams(s);
+    return status;
+}
+
+/* The next stage that has a seam. */
+static enum sewing_stage next(const struct sewing *s, int from)
+{
+    for (; from < SEWING_WORN; from++)
+        for (int k = 0; k < s->whole.n_seams; k++)
+            if ((int)s->seam[k].stage == from)
+                return (enum sewing_stage)from;
+    return SEWING_WORN;
+}
+
+int sewing_begin(struct sewing *sewing, struct scene *scene,
+                 const struct overrides *overrides)
+{
+    *sewing = (struct sewing){
+        .scene = scene, .overrides = overrides, .whole = scene->def};
+    for (int k = 0; k < SEWING_STAGES; k++)
+        sewing->begun[k] = -1;
+    int status = look(sewing);
+    if (status == APP_OK)
+        status = make_seams(sewing);
+    return status == APP_OK ? enter(sewing, next(sewing, 0)) : status;
+}
+
+void sewing_end(struct sewing *sewing)
+{
+    drape_destroy(sewing->world);
+    sewing->world = NULL;
+    if (sewing->scene)
+        sewing->scene->def = sewing->whole;
+    pool_free(&sewing->pool);
+}
+
+bool sewing_is_closed(const struct sewing *sewing, int seam)
+{
+    return sewing->seam[seam].index >= 0 &&
+           sewing->seam[seam].most < closed * sewing->scene->seam[seam].cell;
+}
+
+/* Moves the target of a point of seam k on, unless it has to wait. Returns
+ * whether it waits. */
+static bool move(const struct sewing *s, int k, int64_t p)
+{
+    struct sewing_seam *seam = &s->seam[k];
+    double behind[3], step = seam->rate * s->whole.dt;
+    for (int i = 0; i < 3; i++)
+        behind[i] = seam->gap[p][i] - seam->target[p][i];
+    double pull = length_of(seam->pull[p]) / s->scene->seam[k].length[p];
+    bool waits =
+        length_of(behind) > lag * s->scene->seam[k].cell || pull > strongest;
+    if (!waits)
+        seam->way[p] = fmin(1, seam->way[p] + step);
+    else if (pull > 2 * strongest)
+        seam->way[p] = fmax(0, seam->way[p] - step);
+    for (int i = 0; i < 3; i++)
+        seam->target[p][i] = seam->from[p][i] * (1 - seam->way[p]);
+    return waits;
+}
+
+static int move_targets(struct sewing *s)
+{
+    for (int k = 0; k < s->whole.n_seams; k++) {
+        struct sewing_seam *seam = &s->seam[k];
+        if (seam->index < 0)
+            continue;
+        seam->waiting = 0;
+        for (int64_t p = 0; p < seam->n; p++)
+            seam->waiting += move(s, k, p);
+        int status = drape_seam_target(s->world, seam->index,
+                                       (const double(*)[3])seam->target);
+        if (status != DRAPE_OK)
+            return failed("a seam's target", status);
+    }
+    return APP_OK;
+}
+
+/* Takes a part of the velocity away. */
+static int damp(struct sewing *s)
+{
+    int status = drape_read(s->world, NULL, s->v);
+    for (int64_t k = 0; k < s->nc; k++)
+        for (int i = 0; i < 3; i++)
+            s->v[k][i] *= damping;
+    if (status == DRAPE_OK)
+        status =
+            drape_set_velocities(s->world, 0, s->nc, (const double(*)[3])s->v);
+    return status == DRAPE_OK ? APP_OK : failed("velocities", status);
+}
+
+/* Lets gravity come evenly. */
+static int weigh(struct sewing *s)
+{
+    double ramp = (double)RAMP * s->scene->steps_per_frame, g[3];
+    double part = (double)(s->steps - s->begun[SEWING_WORN] + 1) / ramp;
+    if (part > 1 + 0.5 / ramp)
+        return APP_OK;
+    for (int i = 0; i < 3; i++)
+        g[i] = fmin(part, 1) * s->whole.gravity[i];
+    int status = drape_set_gravity(s->world, g);
+    return status == DRAPE_OK ? APP_OK : failed("gravity", status);
+}
+
+/* Whether the stage's seams are closed, or no longer close. */
+static bool is_done(struct sewing *s)
+{
+    double left = 0;
+    bool all = true;
+    for (int k = 0; k < s->whole.n_seams; k++) {
+        const struct sewing_seam *seam = &s->seam[k];
+        if (seam->stage > s->stage)
+            continue;
+        all &= seam->closed > 0;
+        for (int64_t p = 0; p < seam->n; p++)
+            left += length_of(seam->gap[p]) * s->scene->seam[k].length[p];
+    }
+    s->still++;
+    if (left < 0.999 * s->left) {
+        s->left = left;
+        s->still = 0;
+    }
+    return all || (double)s->still * s->whole.dt > patience;
+}
+
+int sewing_step(struct sewing *sewing, drape_step_report *report)
+{
+    int status = move_targets(sewing);
+    if (status == APP_OK)
+        status = sewing->stage == SEWING_WORN ? weigh(sewing) : damp(sewing);
+    if (status != APP_OK)
+        return status;
+    int known = drape_step(sewing->world, report);
+    if (known != DRAPE_OK)
+        return failed("a step", known);
+    sewing->steps++;
+    report->step = sewing->steps;
+    report->time = (double)sewing->steps * sewing->whole.dt;
+    status = read_seams(sewing);
+    if (status == APP_OK && sewing->stage < SEWING_WORN && is_done(sewing))
+        status = enter(sewing, next(sewing, sewing->stage + 1));
+    return status;
+}
+
+int sewing_audit(struct sewing *sewing, int64_t *pairs, int64_t *sewn)
+{
+    int status = drape_read(sewing->world, sewing->x, NULL);
+    const drape_mesh mesh = {.nv = sewing->nv,
+                             .nt = sewing->nt,
+                             .x = (const double(*)[3])sewing->x,
+                             .tri = (const int32_t(*)[3])sewing->tri,
+                             .group = sewing->group,
+                             .threads = sewing->whole.threads};
+    int64_t found = 0, room = 0;
+    int32_t(*pair)[2] = NULL;
+    *pairs = *sewn = 0;
+    if (status == DRAPE_OK)
+        status = drape_audit(&mesh, 0, NULL, &found, NULL);
+    if (status == DRAPE_OK && found) {
+        room = found;
+        pair = malloc((size_t)room * sizeof *pair);
+        status =
+            pair ? drape_audit(&mesh, room, pair, &found, NULL) : DRAPE_ENOMEM;
+    }
+    for (int64_t k = 0; k < room && status == DRAPE_OK; k++) {
+        bool is = drape_are_sewn(sewing->world, pair[k][0], pair[k][1]) == 1;
+        *sewn += is;
+        *pairs += !is;
+    }
+    free(pair);
+    return status == DRAPE_OK ? APP_OK : failed("an audit", status);
+}

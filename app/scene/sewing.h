@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The law by which a scene's garments are sewn: app/patterns/README.md §11. */
+#ifndef APP_SCENE_SEWING_H
+#define APP_SCENE_SEWING_H
+
+#include "app/scene/scene.h"
+
+/* Seams are drawn together in this order. Then the garment is worn, with
+ * gravity and friction. */
+enum sewing_stage {
+    SEWING_DARTS,
+    SEWING_ACROSS, /* that run across, as shoulders do, or of parted panels */
+    SEWING_UP,     /* that run up, as sides do */
+    SEWING_WORN,
+    SEWING_STAGES
+};
+extern const char *const sewing_stages[SEWING_STAGES];
+
+struct sewing_seam {
+    enum sewing_stage stage; /* in which its turn comes */
+    int64_t n;
+    int index;           /* in the world; -1: its turn has not come */
+    double (*from)[3];   /* [n] m, the gap when its turn came */
+    double *way;         /* [n] 0 … 1: how far the target has fallen */
+    double rate;         /* of the way, 1/s */
+    double (*gap)[3];    /* [n] m, particle - place, after the last step */
+    double (*pull)[3];   /* [n] N, on the particle, in the last step */
+    double (*target)[3]; /* [n] m */
+    int waiting;         /* points whose target stood still in the last step */
+    double most;         /* m, the largest gap */
+    int worst;           /* the point that has it */
+    double strongest;    /* N/m, the largest pull a length of the seam */
+    int64_t closed; /* step after which it was closed last; 0: it is open */
+};
+
+struct sewing {
+    struct scene *scene;
+    const struct overrides *overrides;
+    drape_def whole;    /* the scene's, of which each stage changes a part */
+    drape_world *world; /* of the present stage */
+    enum sewing_stage stage;
+    struct sewing_seam *seam;     /* [whole.n_seams] */
+    int64_t begun[SEWING_STAGES]; /* step before each; -1: skipped */
+    int64_t steps, still;         /* made; without progress */
+    double left;                  /* least of what was to close */
+    int64_t nv, nc, nt;           /* vertices, of cloth, triangles */
+    double (*x)[3], (*v)[3];      /* [nv] */
+    int32_t (*tri)[3], *group;    /* [nt] for audits */
+    drape_cloth *cloth;           /* of the stage */
+    drape_obstacle *obstacle;
+    drape_seam *turn;
+    struct pool pool;
+};
+
+/* Makes the world of the first stage. The scene's definition is that of the
+ * present stage until sewing_end. Returns app_exit; a failure prints one line.
+ * sewing_end gives back what it holds in any case. */
+int sewing_begin(struct sewing *sewing, struct scene *scene,
+                 const struct overrides *overrides);
+/* Makes a step, and enters the next stage where one has ended. The report's
+ * step and time are those since sewing began. Returns app_exit; a failure
+ * prints one line. */
+int sewing_step(struct sewing *sewing, drape_step_report *report);
+/* Counts the intersecting pairs of triangles that can collide, and those that
+ * are sewn together. Returns app_exit. */
+int sewing_audit(struct sewing *sewing, int64_t *pairs, int64_t *sewn);
+/* Whether a seam is closed to 5 % of a cell. */
+bool sewing_is_closed(const struct sewing *sewing, int seam);
+void sewing_end(struct sewing *sewing);
+
+#endif

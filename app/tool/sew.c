@@ -1,0 +1,400 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* drape sew: sews the garments of a pattern or a scene, and drapes them. */
+#include "app/render/model.h"
+#include "app/scene/sewing.h"
+#include "app/tool/options.h"
+#include "app/tool/progress.h"
+#include "app/write/output.h"
+#include "app/write/report.h"
+#include "app/write/sewn.h"
+
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+struct sew {
+    struct scene scene;
+    struct overrides overrides;
+    struct sewing sewing;
+    struct sewn sewn;
+    struct output output;
+    struct report report;
+    struct progress progress;
+    json_t *root; /* of the scene, whose files are named from the root on */
+    const char *body, *fabric, *cell, *directory;
+    char out[FILE_PATH];
+    int frames, obj, force, no_picture;
+    bool rest;
+};
+
+/* Set by Ctrl-C; the command checks it between steps. */
+static volatile sig_atomic_t stopped;
+
+static void stop(int signal_number)
+{
+    (void)signal_number;
+    stopped = 1;
+}
+
+static void catch_signals(void)
+{
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = stop;
+    action.sa_flags = (int)SA_RESETHAND;
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+}
+
+/* Replaces a file's name, if it is one in this folder, by its whole path. */
+static void name_wholly(json_t *object, const char *key, const char *folder)
+{
+    char path[FILE_PATH], whole[FILE_PATH], here[FILE_PATH];
+    const char *name = json_string_value(json_object_get(object, key));
+    if (!name || name[0] == '/' || !file_join(path, folder, name) ||
+        (!strchr(name, '%') && !file_exists(path)))
+        return;
+    if (path[0] != '/' && getcwd(here, sizeof here) &&
+        file_join(whole, here, path))
+        strcpy(path, whole);
+    json_object_set_new(object, key, json_string(path));
+}
+
+/* Names the files of a scene wholly, as sewn.json is in another folder. */
+static void name_files(json_t *root, const char *file)
+{
+    char folder[FILE_PATH];
+    snprintf(folder, sizeof folder, "%s", file);
+    char *slash = strrchr(folder, '/');
+    strcpy(slash ? slash + (slash == folder) : folder, slash ? "" : ".");
+    size_t k;
+    json_t *item;
+    json_array_foreach(json_object_get(root, "garments"), k, item)
+    {
+        name_wholly(item, "pattern", folder);
+        name_wholly(item, "sewn", folder);
+    }
+    json_array_foreach(json_object_get(root, "cloths"), k, item)
+        name_wholly(json_object_get(item, "panel"), "pattern", folder);
+    json_array_foreach(json_object_get(root, "obstacles"), k, item)
+    {
+        name_wholly(item, "mesh", folder);
+        name_wholly(json_object_get(item, "frames"), "file", folder);
+        name_wholly(json_object_get(item, "frames"), "files", folder);
+    }
+}
+
+static int read_number(const char *text, double lo, double hi, double *out)
+{
+    char *end;
+    *out = strtod(text, &end);
+    if (end != text && !*end && *out >= lo && *out <= hi)
+        return APP_OK;
+    return complain(APP_USAGE, "--cell %s: expected metres from %g to %g", text,
+                    lo, hi);
+}
+
+/* The scene of a pattern and a body. NULL after one line. */
+static json_t *wrap(const struct sew *sew, const char *file)
+{
+    json_t *garment = json_object(), *scene = json_object();
+    double cell = 0.005;
+    const char *slash = strrchr(file, '/');
+    if (sew->cell && read_number(sew->cell, 1e-4, 0.1, &cell) != APP_OK) {
+        json_decref(garment);
+        json_decref(scene);
+        return NULL;
+    }
+    json_object_set_new(garment, "pattern", json_string(file));
+    json_object_set_new(garment, "cell", json_real(cell));
+    if (sew->fabric)
+        json_object_set_new(garment, "material", json_string(sew->fabric));
+    char name[256];
+    snprintf(name, sizeof name, "%.250s", slash ? slash + 1 : file);
+    char *dot = strrchr(name, '.');
+    if (dot && dot != name)
+        *dot = 0;
+    json_object_set_new(scene, "name", json_string(name));
+    json_object_set_new(scene, "frames", json_integer(600));
+    json_object_set_new(scene, "garments", json_pack("[o]", garment));
+    if (sew->body)
+        json_object_set_new(
+            scene, "obstacles",
+            json_pack("[{s:s, s:s}]", "name", "body", "mesh", sew->body));
+    /* names begin in the present folder, as on every command line */
+    name_files(scene, ".");
+    return scene;
+}
+
+/* Reads the pattern or the scene. */
+static int load(struct sew *sew, const char *file)
+{
+    sew->root = json_parse(file);
+    if (!sew->root)
+        return APP_USAGE;
+    if (json_object_get(json_object_get(sew->root, "pattern"), "panels")) {
+        json_decref(sew->root);
+        sew->root = wrap(sew, file);
+        if (!sew->root)
+            return APP_USAGE;
+    } else {
+        if (sew->body || sew->cell || sew->fabric)
+            return complain(APP_USAGE,
+                            "%s is no pattern: --body, --cell and --fabric are "
+                            "keys of a scene",
+                            file);
+        name_files(sew->root, file);
+    }
+    char *text = json_dumps(sew->root, JSON_REAL_PRECISION(17));
+    if (!text)
+        return complain(APP_FAILED, "out of memory");
+    int status = scene_load_text(&sew->scene, text, strlen(text), file);
+    free(text);
+    if (status == APP_OK && !sew->scene.def.n_seams)
+        status = complain(APP_USAGE, "%s: there is no seam to sew", file);
+    return status;
+}
+
+static int begin(struct sew *sew, const char *file)
+{
+    struct scene *scene = &sew->scene;
+    int status = load(sew, file);
+    if (status != APP_OK)
+        return status;
+    if (sew->frames >= 0)
+        scene->frames = sew->frames;
+    if (!output_name(sew->out, scene, sew->directory))
+        return APP_USAGE;
+    if (!sew->force)
+        status = folder_empty(sew->out);
+    if (status == APP_OK)
+        status = sewing_begin(&sew->sewing, scene, &sew->overrides);
+    if (status != APP_OK)
+        return status;
+    char id[REPORT_ID];
+    struct claim claim = {report_id(&sew->report, scene, id), NULL, 0,
+                          sew->force};
+    sew->output.obj = sew->obj;
+    status =
+        output_open(&sew->output, scene, sew->sewing.world, sew->out, &claim);
+    if (status == APP_OK &&
+        !report_write(&sew->report, scene, sew->sewing.world, sew->out,
+                      "unfinished"))
+        status = APP_FAILED;
+    return status;
+}
+
+static int put_frame(struct sew *sew, int k)
+{
+    int status = output_frame(&sew->output, sew->sewing.world, k);
+    return status == APP_OK ? sewn_add(&sew->sewn, &sew->sewing, k) : status;
+}
+
+/* Shows which stage it is, and what is open. */
+static void show(struct sew *sew)
+{
+    const struct sewing *s = &sew->sewing;
+    int open = 0, waiting = 0;
+    char words[160];
+    for (int k = 0; k < s->whole.n_seams; k++) {
+        open += !s->seam[k].closed;
+        waiting += s->seam[k].index >= 0 ? s->seam[k].waiting : 0;
+    }
+    snprintf(words, sizeof words,
+             "step %lld  %s  %d of %d seams open  %d points wait",
+             (long long)s->steps, sewing_stages[s->stage], open,
+             s->whole.n_seams, waiting);
+    progress_show(&sew->progress, s->steps, words);
+}
+
+static int step(struct sew *sew)
+{
+    struct sewing *s = &sew->sewing;
+    drape_step_report report;
+    double began = seconds_now();
+    enum sewing_stage stage = s->stage;
+    int status = sewing_step(s, &report);
+    sew->report.seconds += seconds_now() - began;
+    if (status != APP_OK)
+        return status;
+    if (!report_add(&sew->report, &report))
+        return APP_FAILED;
+    if (report.outcome & DRAPE_DIVERGED)
+        return complain(APP_FINDINGS,
+                        "step %lld: diverged; the state before it is kept",
+                        (long long)s->steps);
+    show(sew);
+    sew->rest = stage == SEWING_WORN && report.asleep == s->whole.n_cloths;
+    int64_t each = sew->scene.steps_per_frame;
+    if (s->steps % each == 0)
+        status = put_frame(sew, (int)(s->steps / each));
+    return status;
+}
+
+/* Names the seams that are open, and says how it ended. */
+static int tell(const struct sew *sew, const struct totals *t, const char *end)
+{
+    const struct sewing *s = &sew->sewing;
+    int open = 0;
+    for (int k = 0; k < s->whole.n_seams; k++) {
+        const struct sewing_seam *seam = &s->seam[k];
+        if (seam->closed)
+            continue;
+        open++;
+        if (seam->index < 0)
+            complain(APP_FINDINGS, "seam %s: its turn has not come",
+                     s->scene->seam[k].name);
+        else
+            complain(APP_FINDINGS,
+                     "seam %s is open by %.3g mm at point %d of %lld; %d "
+                     "points wait, and it pulls by at most %.3g N/m",
+                     s->scene->seam[k].name, 1e3 * seam->most, seam->worst,
+                     (long long)seam->n, seam->waiting, seam->strongest);
+    }
+    if (t->unconverged)
+        complain(0, "note: the solver missed its tolerance in %lld steps",
+                 (long long)t->unconverged);
+    stretch_tell(sew->output.stretch, sew->output.cloth_part,
+                 sew->output.cloths);
+    if (!sew->rest)
+        complain(0, "note: it has not come to rest");
+    if (t->not_clean)
+        complain(APP_FINDINGS, "%lld of %lld steps are not clean",
+                 (long long)t->not_clean, (long long)t->steps);
+    int64_t pairs = 0;
+    for (int k = 0; k < sew->sewn.count; k++)
+        pairs += sew->sewn.frame[k].pairs;
+    say("%s: %lld steps, %.3g s, %s; %d of %d seams closed; %lld pairs in %d "
+        "frames\n",
+        sew->output.directory, (long long)t->done, sew->report.seconds, end,
+        s->whole.n_seams - open, s->whole.n_seams, (long long)pairs,
+        sew->sewn.count);
+    return open || pairs || t->not_clean ? APP_FINDINGS : APP_OK;
+}
+
+/* Writes the scene that begins as sewing ended. */
+static bool put_scene(const struct sew *sew)
+{
+    struct file file;
+    size_t k;
+    json_t *garment;
+    json_array_foreach(json_object_get(sew->root, "garments"), k, garment)
+    {
+        char name[64];
+        snprintf(name, sizeof name, "sewn_%04d.ply", (int)k);
+        json_object_set_new(garment, "sewn", json_string(name));
+        json_object_del(garment, "at");
+    }
+    if (!file_open(&file, sew->out, "sewn.json"))
+        return false;
+    json_dumpf(sew->root, file.stream,
+               JSON_INDENT(1) | JSON_REAL_PRECISION(17));
+    fputc('\n', file.stream);
+    return file_close(&file);
+}
+
+/* Takes the last frame from the front and from behind. */
+static int take_pictures(const struct sew *sew)
+{
+    static const char *const names[] = {"front", "back"};
+    struct pool pool = {0};
+    struct run_look look;
+    struct model model;
+    struct shot shot = {.width = 600, .height = 800, .samples = 16};
+    char folder[FILE_PATH], name[64];
+    int last = sew->sewn.frame[sew->sewn.count - 1].frame;
+    last -= last % sew->output.every;
+    uint8_t *rgb = malloc((size_t)shot.width * (size_t)shot.height * 3);
+    int status = rgb ? look_load(&pool, sew->out, &look)
+                     : complain(APP_FAILED, "out of memory");
+    if (status == APP_OK)
+        status = model_load(&pool, sew->out, last, &look, &model);
+    if (status == APP_OK && (!file_join(folder, sew->out, "pictures") ||
+                             !file_make_directory(folder)))
+        status = APP_FAILED;
+    for (int k = 0; k < 2 && status == APP_OK; k++) {
+        shot.camera = look.camera;
+        shot.turned = 180 * k;
+        status = picture_take(&model, &shot, rgb);
+        snprintf(name, sizeof name, "%s_%04d.png", names[k], last);
+        if (status == APP_OK &&
+            !picture_save(folder, name, rgb, shot.width, shot.height))
+            status = APP_FAILED;
+    }
+    free(rgb);
+    pool_free(&pool);
+    return status;
+}
+
+static int finish(struct sew *sew, int code)
+{
+    struct totals totals;
+    struct sewing *s = &sew->sewing;
+    report_sum(&sew->report, &totals);
+    const char *end = code == APP_INTERRUPTED ? "interrupted"
+                      : code == APP_FINDINGS  ? "diverged"
+                      : sew->rest             ? "at rest"
+                                              : "complete";
+    int64_t frame = totals.done / sew->scene.steps_per_frame;
+    int status = output_cache(&sew->output, (int)frame);
+    if (status != APP_OK ||
+        !report_write(&sew->report, &sew->scene, s->world, sew->out, end) ||
+        !sewn_write(&sew->sewn, s, sew->out) || !sewn_save(s, sew->out) ||
+        !put_scene(sew))
+        return APP_FAILED;
+    if (!sew->no_picture)
+        status = take_pictures(sew);
+    int found = tell(sew, &totals, end);
+    return status != APP_OK ? status : code == APP_OK ? found : code;
+}
+
+static int simulate(struct sew *sew)
+{
+    int64_t total = (int64_t)sew->scene.frames * sew->scene.steps_per_frame;
+    catch_signals();
+    int code = put_frame(sew, 0);
+    progress_begin(&sew->progress, 0, total);
+    while (code == APP_OK && sew->sewing.steps < total && !sew->rest)
+        code = stopped ? APP_INTERRUPTED : step(sew);
+    progress_end(&sew->progress);
+    return code == APP_FAILED ? code : finish(sew, code);
+}
+
+int command_sew(int argc, char **argv)
+{
+    struct sew sew = {.frames = -1, .overrides = {NULL, -1, -1, -1, 0}};
+    sew.output.every = 1;
+    const struct option_row options[] = {
+        TEXT_OPTION("--body", &sew.body),
+        TEXT_OPTION("--cell", &sew.cell),
+        TEXT_OPTION("--fabric", &sew.fabric),
+        INT_OPTION("--frames", &sew.frames, 0, 1000000),
+        TEXT_OPTION("--out", &sew.directory),
+        TEXT_OPTION("--backend", &sew.overrides.backend),
+        BITS_OPTION("--precision", &sew.overrides.precision),
+        INT_OPTION("--threads", &sew.overrides.threads, 0, 4096),
+        INT_OPTION("--block", &sew.overrides.block, 0, 256),
+        INT_OPTION("--every", &sew.output.every, 1, 1000000),
+        FLAG_OPTION("--force", &sew.force),
+        FLAG_OPTION("--obj", &sew.obj),
+        FLAG_OPTION("--no-picture", &sew.no_picture),
+        {0}};
+    int positional;
+    int status = options_read(options, argc, argv, &positional);
+    if (status != APP_OK)
+        return status;
+    if (positional != 1)
+        return complain(APP_USAGE, "sew: expected one PATTERN.json or "
+                                   "SCENE.json");
+    status = begin(&sew, argv[0]);
+    if (status == APP_OK)
+        status = simulate(&sew);
+    sewing_end(&sew.sewing);
+    output_close(&sew.output);
+    report_free(&sew.report);
+    sewn_free(&sew.sewn);
+    json_decref(sew.root);
+    scene_free(&sew.scene);
+    return status;
+}

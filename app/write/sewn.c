@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Writes how garments were sewn: sew.json, and the sewn garments as meshes. */
+#include "app/write/sewn.h"
+#include "app/base/app.h"
+#include "app/base/file.h"
+#include "app/base/text.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+
+int sewn_add(struct sewn *sewn, struct sewing *sewing, int frame)
+{
+    if (sewn->count == sewn->room) {
+        int room = sewn->room ? 2 * sewn->room : 256;
+        struct sewn_frame *larger =
+            realloc(sewn->frame, (size_t)room * sizeof *larger);
+        if (!larger)
+            return complain(APP_FAILED, "out of memory");
+        sewn->frame = larger;
+        sewn->room = room;
+    }
+    struct sewn_frame row = {.frame = frame,
+                             .step = sewing->steps,
+                             .stage = sewing->stage,
+                             .seam = -1};
+    for (int k = 0; k < sewing->whole.n_seams; k++) {
+        const struct sewing_seam *seam = &sewing->seam[k];
+        if (seam->index < 0)
+            continue;
+        double gap = seam->most / sewing->scene->seam[k].cell;
+        if (row.seam < 0 || gap > row.gap) {
+            row.gap = gap;
+            row.seam = k;
+        }
+        row.waiting += seam->waiting;
+        row.open += !seam->closed;
+    }
+    int status = sewing_audit(sewing, &row.pairs, &row.sewn);
+    if (status == APP_OK)
+        sewn->frame[sewn->count++] = row;
+    return status;
+}
+
+void sewn_free(struct sewn *sewn)
+{
+    free(sewn->frame);
+    *sewn = (struct sewn){0};
+}
+
+static void put_seam(FILE *out, const struct sewing *s, int k)
+{
+    const struct sewing_seam *seam = &s->seam[k];
+    const struct scene_seam *about = &s->scene->seam[k];
+    fputs("    {\"name\": ", out);
+    text_put(out, about->name);
+    fprintf(out, ", \"stage\": \"%s\", \"points\": %" PRId64 ", \"gap_m\": ",
+            sewing_stages[seam->stage], seam->n);
+    text_put_number(out, "%.6g", seam->most);
+    fputs(", \"gap_cells\": ", out);
+    text_put_number(out, "%.6g", seam->most / about->cell);
+    fputs(", \"pull_N_per_m\": ", out);
+    text_put_number(out, "%.6g", seam->strongest);
+    fprintf(out, ", \"waiting\": %d, \"closed\": ", seam->waiting);
+    if (seam->closed)
+        fprintf(out, "%" PRId64, seam->closed);
+    else
+        fputs("null", out);
+    fputc('}', out);
+}
+
+static void put_frame(FILE *out, const struct sewing *s,
+                      const struct sewn_frame *row)
+{
+    fprintf(out,
+            "    {\"frame\": %d, \"step\": %" PRId64
+            ", \"stage\": \"%s\", \"gap_cells\": ",
+            row->frame, row->step, sewing_stages[row->stage]);
+    text_put_number(out, "%.6g", row->gap);
+    fputs(", \"seam\": ", out);
+    if (row->seam < 0)
+        fputs("null", out);
+    else
+        text_put(out, s->scene->seam[row->seam].name);
+    fprintf(out,
+            ", \"open\": %d, \"waiting\": %d, \"pairs\": %" PRId64
+            ", \"sewn_pairs\": %" PRId64 "}",
+            row->open, row->waiting, row->pairs, row->sewn);
+}
+
+bool sewn_write(const struct sewn *sewn, const struct sewing *sewing,
+                const char *directory)
+{
+    struct file file;
+    if (!file_open(&file, directory, "sew.json"))
+        return false;
+    FILE *out = file.stream;
+    fprintf(out, "{\n  \"steps\": %" PRId64 ", \"dt\": %.17g,\n  \"stages\": {",
+            sewing->steps, sewing->whole.dt);
+    const char *comma = "";
+    for (int k = 0; k < SEWING_STAGES; k++)
+        if (sewing->begun[k] >= 0) {
+            fprintf(out, "%s\"%s\": %" PRId64, comma, sewing_stages[k],
+                    sewing->begun[k]);
+            comma = ", ";
+        }
+    fputs("},\n  \"seams\": [\n", out);
+    for (int k = 0; k < sewing->whole.n_seams; k++) {
+        put_seam(out, sewing, k);
+        fputs(k + 1 < sewing->whole.n_seams ? ",\n" : "\n", out);
+    }
+    fputs("  ],\n  \"frames\": [\n", out);
+    for (int k = 0; k < sewn->count; k++) {
+        put_frame(out, sewing, &sewn->frame[k]);
+        fputs(k + 1 < sewn->count ? ",\n" : "\n", out);
+    }
+    fputs("  ]\n}\n", out);
+    return file_close(&file);
+}
+
+/* Writes the cloths from `first` to before `last` as one mesh. */
+static bool save(const struct sewing *s, int first, int last,
+                 const char *directory, const char *name)
+{
+    int64_t v = drape_first_vertex(s->world, first);
+    int64_t t = drape_first_triangle(s->world, first);
+    struct mesh mesh = {.nv = drape_first_vertex(s->world, last) - v,
+                        .nt = drape_first_triangle(s->world, last) - t,
+                        .x = s->x + v};
+    mesh.tri = malloc(((size_t)mesh.nt + 1) * sizeof *mesh.tri);
+    if (!mesh.tri) {
+        complain(APP_FAILED, "out of memory");
+        return false;
+    }
+    for (int64_t k = 0; k < mesh.nt; k++)
+        for (int i = 0; i < 3; i++)
+            mesh.tri[k][i] = s->tri[t + k][i] - (int32_t)v;
+    bool good = ply_save(directory, name, &mesh, s->whole.precision);
+    free(mesh.tri);
+    return good;
+}
+
+bool sewn_save(struct sewing *sewing, const char *directory)
+{
+    const struct scene *scene = sewing->scene;
+    if (drape_read(sewing->world, sewing->x, NULL) != DRAPE_OK) {
+        complain(APP_FAILED, "sew: the state cannot be read");
+        return false;
+    }
+    bool good = true;
+    for (int k = 0; k < scene->garments && good; k++) {
+        char name[64];
+        snprintf(name, sizeof name, "sewn_%04d.ply", k);
+        good = save(sewing, scene->garment_cloth[k],
+                    scene->garment_cloth[k + 1], directory, name);
+    }
+    return good;
+}

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+# shellcheck shell=sh disable=SC2154,SC2016
+# Garments of a scene: their panels are parted, sewn and worn.
+# Read by tests/app.sh, whose functions it calls.
+
+# halves PYTHON: two halves of a front that touch along x = 0 in one plane, after
+# a change, as halves.json, and a scene of them.
+halves() {
+    python3 - "$1" >halves.json <<'EOT'
+import json
+import sys
+square = [[0, 0], [20, 0], [20, 30], [0, 30]]
+edges = [{"endpoints": [k, (k + 1) % 4]} for k in range(4)]
+left = {"vertices": [[x - 20, y] for x, y in square], "edges": edges}
+right = {"vertices": square, "edges": edges}
+pattern = {"panels": {"left": left, "right": right}}
+exec(sys.argv[1])
+json.dump({"pattern": pattern, "properties": {"units_in_meter": 100}}, sys.stdout)
+EOT
+    echo '{"frames": 0, "gravity": [0, 0, 0], "garments":
+        [{"pattern": "halves.json", "cell": 0.01, "at": [0, 1, 0]}]}' >garment.json
+}
+# starts PYTHON: the condition holds of x, the places at which garment.json starts,
+# by panel.
+starts() {
+    rm -rf halves.out
+    "$drape" run garment.json --out halves.out >out 2>err &&
+        python3 - "$1" <<'EOT'
+import json
+import struct
+import sys
+with open("halves.out/frames/cloth_0000.ply", "rb") as file:
+    body = file.read().split(b"end_header\n", 1)[1]
+x, at = {}, 0
+for cloth in json.load(open("halves.out/report.json"))["bodies"]:
+    n = cloth["particles"][0] * cloth["particles"][1]
+    x[cloth["name"]] = list(struct.iter_unpack("<3f", body[12 * at:12 * (at + n)]))
+    at += n
+near = lambda a, b: abs(a - b) < 1e-6
+assert eval("(" + sys.argv[1] + ")"), {name: (min(p), max(p)) for name, p in x.items()}
+EOT
+}
+halves ''
+is 'panels of one plane that touch are parted' starts '
+near(max(p[0] for p in x["left"]), -0.01) and near(min(p[0] for p in x["right"]), 0.01)
+and near(min(p[1] for p in x["left"]), 1) and all(p[2] == 0 for p in x["left"])'
+is 'and named' grep -q 'panels left and right touch in one plane, and are parted by 1 cm' err
+halves 'for p in (left, right): p.update(rotation=[30, 40, 50], translation=[1, 2, 3])'
+is 'wherever their plane is' starts '
+near(min(sum((a - b) ** 2 for a, b in zip(p, q)) for p in x["left"] for q in x["right"]),
+     0.02 ** 2)'
+halves 'left["translation"] = [-3, 0, 0]'
+is 'panels 3 cm apart stay' starts 'near(max(p[0] for p in x["left"]), -0.03)'
+halves 'left["translation"] = [0, 0, 2]'
+is 'panels of two planes stay' starts 'near(max(p[0] for p in x["left"]), 0)'
+halves 'left["translation"] = [0.5, 5, 0]'
+is 'panels that overlap a little are parted' starts '
+max(p[0] for p in x["left"]) < min(p[0] for p in x["right"]) - 0.01'
+halves 'left["rotation"] = [0, 90, 0]; left["translation"] = [10, 0, -5]'
+refused 'panels that cross are named' '(left) triangle' run garment.json --out refused
+halves 'for p in (left, right): p["translation"] = [0, 0, 50 * (p is left)]'
+sed 's/"cell"/"name": "vest", "cell"/; s/"at".*/"sewn": "placed.ply"}]}/' \
+    garment.json >again.json
+refused 'a sewn mesh that is not there' 'sewn placed.ply: no such file' run again.json \
+    --out refused
+"$drape" pattern halves.json --cell 0.02 --out placed >out 2>err
+cp placed/placed.ply .
+refused 'a sewn mesh of other cells' 'it is of another pattern' run again.json \
+    --out refused
+"$drape" pattern halves.json --cell 0.01 --out placed >out 2>err
+cp placed/placed.ply .
+exits 'panels where a mesh has them' 0 run again.json --out worn
+is 'have the names of their garment' grep -q '"name": "vest.left"' worn/report.json
+sed 's/"halves.json"/"none.json"/' garment.json >again.json
+refused 'a garment of no pattern' 'pattern none.json: no such file' run again.json
