@@ -18,6 +18,15 @@ bool conserve_applies(const struct world *w)
            w->def.n_obstacles == 0;
 }
 
+/* Whether the targets of seams move in this step: what gives energy is not as
+ * empty space. */
+static bool targets_move(const struct world *w)
+{
+    const struct seams *s = &w->seams;
+    return s->n > 0 &&
+           w->run->prescribed_differs(w->on, s->n, NULL, s->from, s->to);
+}
+
 static int64_t largest_cloth(const struct world *w)
 {
     int64_t most = 0;
@@ -167,7 +176,7 @@ int conserve_momentum(struct world *w, int outcome)
 {
     struct conserve *c = &w->conserve;
     int n = w->def.n_cloths;
-    if (!conserve_applies(w))
+    if (!conserve_applies(w) || targets_move(w))
         return DRAPE_OK;
     int status = make_room(w);
     if (status == DRAPE_OK)

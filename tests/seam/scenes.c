@@ -272,15 +272,15 @@ static int64_t audit(const drape_world *world, int cloths, int64_t *sewn)
 /* §5: sewn cloths fall on a ball: nothing intersects but what is sewn. */
 const char *test_seam_falls(void)
 {
-    static const int side[2][2] = {{17, 17}, {15, 19}};
+    static const int side[2][2] = {{13, 13}, {11, 14}};
     static const double size[2] = {0.3, 0.6};
     static struct sewn s;
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < 3; k++) {
         drape_world *world;
         drape_step_report r;
         int64_t sewn, contacts = 0;
         sewn_make(&s, side[k % 2], size, false, 0);
-        s.def.integrator = k < 2 ? DRAPE_BW : DRAPE_BDF2;
+        s.def.integrator = DRAPE_BW + k;
         sewn_add_ball(&s, 0.12);
         for (int c = 0; c < 2; c++) {
             s.cloth[c].origin[0] -= 0.15;
@@ -288,13 +288,13 @@ const char *test_seam_falls(void)
             s.cloth[c].origin[2] += 0.28;
         }
         EXPECT(drape_create(&s.def, &world, NULL) == DRAPE_OK);
-        for (int step = 0; step < 40; step++) {
+        for (int step = 0; step < 24; step++) {
             EXPECT(drape_step(world, &r) == DRAPE_OK);
             EXPECT(!(r.outcome & (DRAPE_TRAPPED | DRAPE_DIVERGED)));
             EXPECT(audit(world, 2, &sewn) == 0);
             contacts += r.contacts;
         }
-        EXPECT(contacts > 1000);
+        EXPECT(contacts > 500);
         EXPECT(sewn_gap(&s, world, NULL) < 20 * GAP); /* in motion */
         drape_destroy(world);
         ran(1);
