@@ -9,7 +9,9 @@ A function is reached if a row that spec/proofs.md records as proved names it, o
 function that is reached calls it: its code is inlined there, and executed. A HOLE is
 not. A name means the function of the files that the caller's file includes; where
 these have several of this name, all. What a function calls keeps it from a proof, too.
-ci/equal/left.def says of the others why they are left.
+ci/equal/left.def says of the others why they are left. Some cannot have a twin, by a
+rule and not by hand (`no_twin`); they count, but what is reached of the others is told
+as well.
 """
 import collections
 import functools
@@ -32,6 +34,12 @@ FIXED = re.compile(r"<=?\s*(?:\d+|[A-Z_]{2,}\w*)\b|>=?\s*0|= \d+; *\w+ > 0")
 REASONS = ("threads work together", "an atomic", "a loop over data")
 NO_LOOP, LEFT = "no loop over data, left", "ci/equal/left.def"
 NO_REASON = "no row yet"
+
+# What tells an operation on a number from a copy of one; clang-format puts spaces around
+# operators of two operands.
+OPERATES = re.compile(r" (?:[-+*/%<>&|^?]|<<|>>|[-+*/%|&^<>=!]=|&&|\|\||<<=|>>=) |\+\+|--|"
+                      r"[(=,] ?[-!~]\w|\b(?:if|for|while|switch)\b|return [-!~]")
+COPIES = {"memcpy", "sizeof", "__ldg", "__ldcs", "__ldcg", "__stcs", "alignas", "make"}
 
 Device = collections.namedtuple("Device", "path name heading body")
 
@@ -74,6 +82,30 @@ def reason(heading, body):
     if any(not FIXED.search(loop) for loop in loops):
         return REASONS[2]
     return None
+
+
+def own_copy(one, named):
+    """Whether a function's own text only moves words: it has no operation but indices."""
+    text, last = one.body, None
+    while text != last:
+        last, text = text, re.sub(r"\[[^\[\]]*\]", "", text)
+    text = re.sub(r"\b(\w+)<[^<>;()]*>", r"\1", text)
+    calls = set(re.findall(r"\b(\w+)\(", text)) - COPIES - set(named)
+    return not OPERATES.search(" " + " ".join(text.split()) + " ") and not calls
+
+
+def no_twin(calls, k):
+    """Why function k can have no twin in ref/, by rule; else nothing."""
+    one = calls.found[k]
+    if not os.path.isdir("ref/" + one.path.split("/")[1]):
+        return "by rule: its room has no counterpart in ref/"
+    if "KERNEL" not in one.heading and re.search(r"\b(?:thread|block)Idx|\bgridDim|"
+                                                 r"\bblockDim|\basm\b|_rank\(|rank_thread",
+                                                 one.body):
+        return "by rule: it depends on where a thread is, which the reference lacks"
+    if all(own_copy(calls.found[j], calls.named) for j in calls.below([k])):
+        return "by rule: it moves words and operates on none"
+    return ""
 
 
 class Calls:
@@ -136,8 +168,8 @@ def why_left(rows, one):
 
 
 def count(twins, known):
-    """[(function, "reached", a reason of REASONS or NO_LOOP, why it is left)]. known:
-    as page.recorded."""
+    """[(function, "reached", a reason of REASONS or NO_LOOP, why it is left, why it can
+    have no twin)]. known: as page.recorded."""
     found = functions()
     calls, rows = Calls(found), left()
     seen = reached(calls, twins, known)
@@ -145,18 +177,20 @@ def count(twins, known):
     result = []
     for k, one in enumerate(found):
         if k in seen:
-            result.append((one, "reached", ""))
+            result.append((one, "reached", "", no_twin(calls, k)))
             continue
         of = {own[j] for j in calls.below([k])}
         kind = next((r for r in REASONS if r in of), NO_LOOP)
-        result.append((one, kind, why_left(rows, one) if kind == NO_LOOP else ""))
+        rule = no_twin(calls, k) if kind == NO_LOOP else ""
+        why = rule or why_left(rows, one) if kind == NO_LOOP else ""
+        result.append((one, kind, why, rule))
     return result
 
 
 def main():
     """Prints what no row reaches."""
     rows = [t for g in table.read("ci/equal/twins.def") for t in g.twins]
-    for one, kind, why in count(rows, page.recorded()):
+    for one, kind, why, _ in count(rows, page.recorded()):
         if kind != "reached":
             print(f"{one.path}: {one.name}: {kind}{': ' if why else ''}{why}")
 

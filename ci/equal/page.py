@@ -70,7 +70,9 @@ def census_table(twins, known):
     """A row for each room of gpu/, what is reached, and why the others are left."""
     kinds = ("reached", census.NO_LOOP, *census.REASONS)
     rooms, all_of, why = {}, dict.fromkeys(kinds, 0), {}
-    for one, kind, left in census.count(twins, known):
+    ruled = dict.fromkeys(kinds, 0)
+    for one, kind, left, rule in census.count(twins, known):
+        ruled[kind] += bool(rule)
         room = rooms.setdefault(one.path.split("/")[1], dict.fromkeys(kinds, 0))
         room[kind] += 1
         all_of[kind] += 1
@@ -85,13 +87,22 @@ def census_table(twins, known):
     share = 100 * reached // max(1, reached + rest)
     lines.append("\n" + textwrap.fill(
         f"Proofs reach {reached} of {reached + rest} functions without loops over data, "
-        f"{share} %. The others:", 88))
+        f"{share} %. {told_ruled(ruled, reached, rest)} The others:", 88))
     lines += ["", "| why | functions |", "| --- | --- |"]
     for left, files in sorted(why.items()):
         where = "; ".join(f"{path}: {', '.join(f'`{name}`' for name in names)}"
                           for path, names in sorted(files.items()))
         lines.append(f"| {left} | {where} |")
     return "\n".join(lines)
+
+
+def told_ruled(ruled, reached, rest):
+    """The same of the functions that can have a twin."""
+    mine, left = ruled["reached"], ruled[census.NO_LOOP]
+    now, of = reached - mine, reached + rest - mine - left
+    return (f"{mine + left} of these can have no twin by rule (no_twin in "
+            f"ci/equal/census.py), of which proofs reach {mine} with others; of the "
+            f"functions that can, proofs reach {now} of {of}, {100 * now // max(1, of)} %.")
 
 
 def untouched(twins):
