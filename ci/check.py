@@ -41,7 +41,7 @@ PARTS = {
     "models": ("kernels in which threads work together, under every schedule", 50),
     "fuzz": ("every input of fuzz/corpus again", 40),
     "device": ("kernels, emulated on the host", 30),
-    "validate": ("cloth beside theory, in a short form", 30),
+    "validate": ("cloth beside theory, in a short form", 110),
     "counts": ("what contact costs on small scenes, and its bounds", 25),
     "root": ("small scenes: every outcome, and any number of threads", 20),
     "rows": ("a certificate's faults are found", 20),

@@ -8,6 +8,7 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work" || exit 1
+export PYTHONPATH="$root/tests/app" # programs read PLY by geometry.load
 passed=0 failed=0 skipped=0
 
 ok() {

@@ -53,11 +53,8 @@ exits 'convert up +y' 0 convert x.obj z.ply --up 0,5,0
 is 'leaves it' cmp y.ply z.ply
 exits 'convert up -y' 0 convert x.obj z.ply --up 0,-0.1,0
 is 'turns it about x' python3 -c '
-import struct
-def load(path):
-    data = open(path, "rb").read()
-    return list(struct.iter_unpack("<3f", data[data.index(b"end_header\n") + 11:][:72]))
-a, b = load("y.ply"), load("z.ply")
+from geometry import load
+a, b = (load(path, "f")[0] for path in ("y.ply", "z.ply"))
 top = max(p[1] for p in a)
 assert all(abs(q[0] - p[0]) + abs(q[1] - (top - p[1])) + abs(q[2] + p[2]) < 1e-6
            for p, q in zip(a, b))'

@@ -62,19 +62,21 @@ def write(path):
                        {"time": 0}, {"time": 1, "move": [0, 1, 0]}]}]}, file)
 
 
-def parse(data):
-    """Vertices and triangles of a binary PLY's bytes."""
+def parse(data, number=None):
+    """Vertices and triangles of a binary PLY's bytes; number: "d" or "f", of which the
+    vertices must be."""
     head, body = data.split(b"end_header\n", 1)
     nv = int(head.split(b"element vertex ")[1].split()[0])
-    size, number = (24, "d") if b"double x" in head else (12, "f")
-    x = list(struct.iter_unpack("<3" + number, body[:size * nv]))
+    size, found = (24, "d") if b"double x" in head else (12, "f")
+    assert number in (None, found), (number, found)
+    x = list(struct.iter_unpack("<3" + found, body[:size * nv]))
     return x, [t[1:] for t in struct.iter_unpack("<B3i", body[size * nv:])]
 
 
-def load(path):
+def load(path, number=None):
     """The same of a file."""
     with open(path, "rb") as file:
-        return parse(file.read())
+        return parse(file.read(), number)
 
 
 def bodies(run, kind, frame):

@@ -30,10 +30,10 @@ series '"files": "turn_%03d.ply", "first": 7'
 sed -i 's/"frames": 1/"frames": 3, "precision": 64/' frames.json
 exits 'frames from number 7 on' 0 run frames.json --out series --quiet
 is 'are met at their times, and where they are placed' python3 -c '
-import struct
+from geometry import load
 for k in range(4):
-    data = open("series/frames/obstacles_%04d.ply" % k, "rb").read()
-    x = struct.unpack("<9d", data[data.index(b"end_header\n") + 11:][:72])
+    x = sum(load("series/frames/obstacles_%04d.ply" % k, "d")[0], ())
+    assert len(x) == 9
     y = 0.0075 + min(k / 2, 1) * 0.001
     for a, b in zip(x, [0, -3, 1, 2, 2 * y - 3, -1, 0, -1, 1]):
         assert abs(a - b) < 1e-12, (k, x)'
@@ -55,14 +55,7 @@ turns() {
     exits "$1" 0 run motion.json --out turn --force
     is "$1: evenly" python3 - "$2" "${3-[0, 0, 0]}" "${4-[0, 0, 0]}" <<'EOT'
 import math, sys
-def load(k):
-    with open("turn/frames/obstacles_%04d.ply" % k, "rb") as file:
-        text = file.read()
-    import struct
-    head, body = text.split(b"end_header\n", 1)
-    size = 8 if b"double x" in head else 4
-    return [struct.unpack_from("<3" + "fd"[size == 8], body, 3 * size * k)
-            for k in range(8)]
+from geometry import load
 def turned(q, x):
     w, u = q[0], q[1:]
     c = lambda a, b: [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
@@ -87,7 +80,7 @@ for k in range(7):
         o = math.acos(d)
         q = [(math.sin((1 - t) * o) * x + math.sin(t * o) * y) / math.sin(o)
              for x, y in zip(p, r)]
-    for x, y in zip(box, load(k)):
+    for x, y in zip(box, load("turn/frames/obstacles_%04d.ply" % k)[0]):
         x = turned(q, [a - p for a, p in zip(x, pivot)])
         x = [a + p + t * m for a, p, m in zip(x, pivot, move)]
         assert math.dist(x, y) < 1e-3, (k, x, y)
@@ -167,23 +160,17 @@ printf '{"frames": 1, "dt": 0.5, "cloths": [{"particles": [3, 3], "size": [0.1, 
  "frames": {"files": "rise_%%d.off", "count": 2, "dt": 0.5}}]}\n' >rise.json
 exits 'a body of files that grows and rises' 0 run rise.json --out rise
 is 'does not stand on the ground in each' python3 -c '
-import struct
-def load(k):
-    data = open("rise/frames/obstacles_%04d.ply" % k, "rb").read()
-    at = data.index(b"end_header\n") + 11
-    return [struct.unpack_from("<3f", data, at + 12 * i) for i in range(4)]
-a, b = load(0), load(1)
+from geometry import load
+a, b = (load("rise/frames/obstacles_000%d.ply" % k, "f")[0] for k in range(2))
 assert sorted(a) == sorted([(-.5, 0, -.5), (.5, 0, -.5), (-.5, 1, -.5), (-.5, 0, .5)])
 assert sorted(b) == sorted([(-.5, 1.5, -.5), (1.5, 1.5, -.5), (-.5, 2.5, -.5),
                             (-.5, 1.5, .5)])'
 # Units of FBX
 exits 'a cube of 100 cm' 0 convert cube.fbx cube.ply
 is 'is 1 m high' python3 -c '
-import struct
-data = open("cube.ply", "rb").read()
-at = data.index(b"end_header\n") + 11
-v = [struct.unpack_from("<3f", data, at + 12 * k) for k in range(8)]
-assert {c for p in v for c in p} == {0, 1, -0.5, 0.5}'
+from geometry import load
+v, _ = load("cube.ply", "f")
+assert len(v) == 8 and {c for p in v for c in p} == {0, 1, -0.5, 0.5}'
 exits 'written as FBX' 0 convert cube.ply again.fbx
 exits 'and read again' 0 convert again.fbx again.ply
 is 'it is the same' cmp cube.ply again.ply

@@ -22,13 +22,13 @@ assert m["host_bytes"] == sum(row["bytes"] for row in r["plan"]) > 0
 assert 0 < m["host_bytes"] < r["held_bytes"] and m["device_bytes"] == 0'
 is 'cloth.pc2 holds all frames' python3 -c '
 import struct
+from geometry import load
 d = open("an out/cloth.pc2", "rb").read()
 assert struct.unpack("<12siiffi", d[:32]) == (
     b"POINTCACHE2\0", 1, 81, 0.0, 1.0, 7)
 assert len(d) == 32 + 7 * 81 * 12
-p = open("an out/frames/cloth_0006.ply", "rb").read()
-p = p[p.index(b"end_header\n") + 11:][:81 * 12]
-assert d[-81 * 12:] == p'
+x, _ = load("an out/frames/cloth_0006.ply", "f")
+assert d[-81 * 12:] == b"".join(struct.pack("<3f", *p) for p in x)'
 # Contacts: a file of points a frame, and what each body got in each step.
 exits 'run --contacts' 0 run tiny.json --frames 12 --out touch --contacts
 is 'a file a frame' test "$(find touch/frames -name 'contacts_*.ply' | wc -l)" -eq 13
@@ -81,13 +81,12 @@ for bits in 32 64; do
     is "the OBJ has what the PLY has but the particle of the hole, $bits bits" \
         python3 -c '
 import struct, sys
-data = open("hole/frames/cloth_0001.ply", "rb").read()
-form, size = ("<3f", 12) if sys.argv[1] == "32" else ("<3d", 24)
-x = data[data.index(b"end_header\n") + 11:][:39 * size]
-x = [struct.unpack_from(form, x, size * k) for k in range(39)]
+from geometry import load
+form = "f" if sys.argv[1] == "32" else "d"
+x, _ = load("hole/frames/cloth_0001.ply", form)
 del x[2 + 6 * 2]
 rows = [line.split() for line in open("hole/frames/cloth_0001.obj")]
-near = lambda a: struct.unpack(form[2], struct.pack(form[2], float(a)))[0]
+near = lambda a: struct.unpack(form, struct.pack(form, float(a)))[0]
 assert [tuple(map(near, r[1:])) for r in rows if r[0] == "v"] == x
 assert [r[1] for r in rows if r[0] == "o"] == ["a_sheet", "b_b"]
 uv = [tuple(map(float, r[1:])) for r in rows if r[0] == "vt"]

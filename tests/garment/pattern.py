@@ -14,10 +14,12 @@ import json
 import math
 import os
 import random
-import struct
 import subprocess
 import sys
 import tempfile
+
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "app"))
+from geometry import load  # noqa: E402: it lies in tests/app
 
 UNIT = 100.0  # lengths in the files, to the metre
 
@@ -32,18 +34,6 @@ def run(drape, path, out, cell):
         with open(os.path.join(out, name + ".csv"), newline="", encoding="utf-8") as f:
             tables[name] = list(csv.DictReader(f))
     return tables, done
-
-
-def ply(path):
-    """The vertices and the triangles of a file that drape wrote."""
-    with open(path, "rb") as file:
-        data = file.read()
-    head, body = data.split(b"end_header\n", 1)
-    count = [int(line.split()[2]) for line in head.split(b"\n")
-             if line.startswith(b"element")]
-    size = 24 * count[0]
-    faces = struct.iter_unpack("<Biii", body[size:size + 13 * count[1]])
-    return list(struct.iter_unpack("<3d", body[:size])), [f[1:] for f in faces]
 
 
 def points(panel, edge, unit, n=400):
@@ -97,7 +87,7 @@ def distance(p, polygon):
 
 def look(path, polygon, cell, row, far):
     """Checks the mesh of a panel; `far` cells may its border be off."""
-    x, faces = ply(path)
+    x, faces = load(path, "d")
     x = [complex(p[0], p[1]) for p in x]
     used, edges, total, least = set(), {}, 0, math.inf
     for face in faces:
@@ -359,9 +349,9 @@ def check_square(drape, work):
     assert row["label"] == 'a, "b"'
     # a quarter turn about x takes y to z; another about z takes x to y
     corner = (10 - 0.0, 20 + 3, 30 + 4)
-    x, _ = ply(os.path.join(out, "placed.ply"))
+    x, _ = load(os.path.join(out, "placed.ply"), "d")
     assert max(abs(100 * a - b) for a, b in zip(x[0], corner)) < 1e-9, x[0]
-    x, _ = ply(os.path.join(out, "00_a____b.ply"))
+    x, _ = load(os.path.join(out, "00_a____b.ply"), "d")
     assert max(abs(a - b) for a, b in zip(x[0], (0.03, 0.04, 0))) < 1e-12, x[0]
     assert sorted(os.listdir(out)) == ["00_a____b.ply", "edges.csv", "panels.csv",
                                        "pattern.svg", "placed.ply", "points.csv", "seams.csv"]

@@ -67,12 +67,10 @@ rises() {
     rm -rf rises
     exits "$1" 0 run rises.json --out rises
     is "$1: where it should be" python3 -c '
-import struct, sys
+import sys
+from geometry import load
 for k, want in enumerate(eval(sys.argv[1])):
-    data = open("rises/frames/obstacles_%04d.ply" % k, "rb").read()
-    head, body = data.split(b"end_header\n", 1)
-    n = int(head.split(b"element vertex ")[1].split()[0])
-    top = max(struct.unpack_from("<3d", body, 24 * i)[1] for i in range(n))
+    top = max(p[1] for p in load("rises/frames/obstacles_%04d.ply" % k, "d")[0])
     assert abs(top - want) < 1e-12, (k, top, want)' "$3"
 }
 mesh='"mesh": "tetra.ply", "frames": {"file": "good.pc2"'
@@ -134,17 +132,13 @@ exits 'a limb' 0 run limb.json --out limb
 # Its axis is 0.1 up to the joint, which bends by 90 degrees along 0.2, and 0.1 beyond:
 # then come the caps. Radii stay: nothing is nearer to or farther from the axis.
 is 'bends as it should' python3 -c '
-import math, struct
-def load(k):
-    data = open("limb/frames/obstacles_%04d.ply" % k, "rb").read()
-    body = data.split(b"end_header\n", 1)[1]
-    n = int(data.split(b"element vertex ")[1].split()[0])
-    return [struct.unpack_from("<3d", body, 24 * i) for i in range(n)]
-straight = load(0)
+import math
+from geometry import load
+frames = [load("limb/frames/obstacles_%04d.ply" % k, "d")[0] for k in range(5)]
 for k in range(5):
     angle = math.radians(22.5 * k)
     r = 0.2 / angle if k else 0
-    for a, b in zip(straight, load(k)):
+    for a, b in zip(frames[0], frames[k]):
         along = min(max((a[1] + 0.1) / 0.2, 0), 1)
         c, s = math.cos(along * angle), math.sin(along * angle)
         rest = a[1] + 0.1 - 0.2 * along
