@@ -56,7 +56,7 @@ json_reader read_panel;
 /* Keeps in the pool what a cloth needs of a panel that was cut, and sets the
  * cloth's particles and size. APP_OK, or APP_FAILED after one line. */
 struct garment_panel;
-int panel_keep(struct pool *pool, const struct garment_panel *from,
+int panel_keep(struct pool *pool, const struct garment_panel *p,
                struct cloth *cloth);
 /* Puts into path the place of a file that the scene names, which begins in the
  * scene's folder. what: the key. APP_OK, or APP_USAGE after one line. */

@@ -170,7 +170,7 @@ static int make_garment(struct json *json, struct garment_key *key)
 {
     char path[FILE_PATH];
     struct pattern *pattern = pool_take(json->pool, 1, sizeof *pattern);
-    struct garment garment = {0};
+    struct garment garment = {.pattern = pattern};
     if (!pattern)
         return no_memory();
     int status = find_beside(json, "pattern", key->pattern, path);
@@ -285,11 +285,12 @@ int read_garments(struct json *json, json_t *node, void *out)
         .read = read_garment, .size = sizeof(struct garment_key), .most = 100};
     int status = json_items(json, node, &list);
     const struct garment_key *key = list.items;
-    if (status == APP_OK) {
-        scene->garment_cloth =
-            pool_take(json->pool, (size_t)list.count + 1, sizeof(int));
-        status = scene->garment_cloth ? APP_OK : no_memory();
-    }
+    if (status != APP_OK)
+        return status;
+    scene->garment_cloth =
+        pool_take(json->pool, (size_t)list.count + 1, sizeof(int));
+    if (!scene->garment_cloth)
+        return no_memory();
     for (int k = 0; k < list.count && status == APP_OK; k++) {
         int first = scene->def.n_cloths;
         scene->garment_cloth[k] = first;

@@ -50,15 +50,15 @@ static void catch_signals(void)
 /* Replaces a file's name, if it is one in this folder, by its whole path. */
 static void name_wholly(json_t *object, const char *key, const char *folder)
 {
-    char path[FILE_PATH], whole[FILE_PATH], here[FILE_PATH];
+    char there[FILE_PATH], all[FILE_PATH], here[FILE_PATH];
     const char *name = json_string_value(json_object_get(object, key));
-    if (!name || name[0] == '/' || !file_join(path, folder, name) ||
-        (!strchr(name, '%') && !file_exists(path)))
+    if (!name || name[0] == '/' || !file_join(there, folder, name) ||
+        (!strchr(name, '%') && !file_exists(there)))
         return;
-    if (path[0] != '/' && getcwd(here, sizeof here) &&
-        file_join(whole, here, path))
-        strcpy(path, whole);
-    json_object_set_new(object, key, json_string(path));
+    if (there[0] != '/' && getcwd(here, sizeof here) &&
+        file_join(all, here, there))
+        strcpy(there, all);
+    json_object_set_new(object, key, json_string(there));
 }
 
 /* Names the files of a scene wholly, as sewn.json is in another folder. */

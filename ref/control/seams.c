@@ -5,21 +5,22 @@
 #include "ref/seam/seam.h"
 #include "ref/sleep/sleep.h"
 
-int64_t control_seam_points(const struct world *w, int k)
+int64_t control_seam_points(const struct world *w, int seam)
 {
     const struct seams *s = &w->seams;
-    return k >= 0 && k < s->count ? s->first[k + 1] - s->first[k] : -1;
+    return seam >= 0 && seam < s->count ? s->first[seam + 1] - s->first[seam]
+                                        : -1;
 }
 
-int control_seam_target(struct world *w, int k, int64_t n,
+int control_seam_target(struct world *w, int seam, int64_t n,
                         const double (*gap)[3])
 {
     const struct seams *s = &w->seams;
     vec *to = w->home->seams.next;
     bool sane = true;
-    if (control_seam_points(w, k) != n)
+    if (control_seam_points(w, seam) != n)
         return DRAPE_EARG;
-    to += s->first[k];
+    to += s->first[seam];
     for (int64_t i = 0; i < n; i++) {
         to[i] =
             gap ? vec_make((real)gap[i][0], (real)gap[i][1], (real)gap[i][2])
@@ -29,7 +30,7 @@ int control_seam_target(struct world *w, int k, int64_t n,
     if (!sane)
         return DRAPE_EDATA;
     w->run->begin(w->on);
-    w->run->send(w->on, s->to + s->first[k], to, (size_t)n * sizeof *to);
+    w->run->send(w->on, s->to + s->first[seam], to, (size_t)n * sizeof *to);
     sleep_wake(w);
     return w->run->status(w->on);
 }
@@ -43,25 +44,25 @@ static void copy_out(int64_t n, const vec *from, double (*to)[3])
     }
 }
 
-int control_seam_state(const struct world *w, int k, double (*gap)[3],
+int control_seam_state(const struct world *w, int seam, double (*gap)[3],
                        double (*pull)[3])
 {
     const struct seams *s = &w->seams;
-    int64_t n = control_seam_points(w, k);
+    int64_t n = control_seam_points(w, seam);
     if (n < 0)
         return DRAPE_EARG;
-    vec *here = w->home->seams.next + s->first[k]; /* free between steps */
-    vec *there = s->next + s->first[k];
+    vec *here = w->home->seams.next + s->first[seam]; /* free between steps */
+    vec *there = s->next + s->first[seam];
     size_t bytes = (size_t)n * sizeof *here;
     w->run->begin(w->on);
     if (gap) {
-        w->run->seam_gap(w->on, n, s->point + s->first[k], w->x0, there);
+        w->run->seam_gap(w->on, n, s->point + s->first[seam], w->x0, there);
         if (here != there)
             w->run->fetch(w->on, here, there, bytes);
         copy_out(n, here, gap);
     }
     if (pull) {
-        w->run->fetch(w->on, here, s->pull + s->first[k], bytes);
+        w->run->fetch(w->on, here, s->pull + s->first[seam], bytes);
         copy_out(n, here, pull);
     }
     return w->run->status(w->on);
