@@ -6,6 +6,8 @@ usage: ci/certificate.py plan WORK OLD BUILD  says what the certificate OLD keep
                                               what has to run: WORK/stages,
                                               WORK/scenes, WORK/TOOL
        ci/certificate.py write WORK FILE      from WORK/rows and what is kept
+       ci/certificate.py prune FILE           leaves out what no longer holds, where
+                                              no device can be had
        ci/certificate.py check FILE BUILD     ends with N passed, N failed
        ci/certificate.py line FILE            one line for `drape info`
 
@@ -16,7 +18,7 @@ cases do. A scene's row depends on all code of spec/, ref/ and gpu/, on the flag
 on its line of ci/scenes.certified, on its file and on the patterns that it names.
 Where that digest, the device, the toolkit and the driver are still the same, a new
 certificate keeps the row; `run` says which run of ci/certify.sh the row is from. A run
-that was cut short has a `remark`, and its rows are not kept.
+that has a `remark`, as its rows were put together by hand, is made anew.
 """
 import functools
 import glob
@@ -285,6 +287,10 @@ def write(work, path):
             row["run"] = runs.index(row["run"])
         out[kind + "s"] = all_rows
     out["sources"] = plan_["sources"]
+    put(out, path)
+
+
+def put(out, path):
     text = json.dumps(out, indent=1)
     # a row a line, so that the difference of two certificates reads well
     text = re.sub(r"\{\n +([^{}\[\]]*?)\n +\}",
@@ -292,6 +298,16 @@ def write(work, path):
                   if '"sum": "' not in found[1] else found[0], text)
     with open(path, "w") as file:
         file.write(text + "\n")
+
+
+def prune(path):
+    out = json.load(open(path))
+    now = codes(out["sources"])
+    for kind in KINDS:
+        out[kind + "s"] = [row for row in out[kind + "s"]
+                           if row["code"] == now.get(key(kind, row))]
+    out["trees"] = trees()
+    put(out, path)
 
 
 def stale(certificate):
@@ -436,6 +452,8 @@ if __name__ == "__main__":
         plan(*sys.argv[2:])
     elif sys.argv[1:2] == ["write"] and len(sys.argv) == 4:
         write(*sys.argv[2:])
+    elif sys.argv[1:2] == ["prune"] and len(sys.argv) == 3:
+        prune(sys.argv[2])
     elif sys.argv[1:2] == ["check"] and len(sys.argv) == 4:
         sys.exit(check(sys.argv[2], sys.argv[3]))
     elif sys.argv[1:2] == ["line"] and len(sys.argv) == 3:

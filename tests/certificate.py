@@ -7,6 +7,7 @@ certificate is made up for a copy of the tree, and each fault is planted in a co
 of the certificate or in a file of that tree.
 """
 import copy
+import json
 import os
 import re
 import shutil
@@ -87,6 +88,14 @@ def edited(path, old, new, stale, lost):
     gone = {kind: len(certificate.wanted()[kind]) - len(have[kind])
             for kind in have}
     check(f"{title}: lost {gone}", gone == lost)
+    certificate.put(whole, "pruned.json")
+    certificate.prune("pruned.json")
+    with open("pruned.json", encoding="utf-8") as file:
+        pruned = json.load(file)
+    left = {kind: [certificate.name_of(kind, row) for row in pruned[kind + "s"]]
+            for kind in have}
+    check(f"{title}: pruned of more or less than is stale",
+          left == have and not certificate.stale(pruned))
     with open(path, "w", encoding="utf-8") as file:
         file.write(text)
 
