@@ -152,6 +152,7 @@ uint64_t checkpoint_fingerprint(const drape_def *d, uint64_t *print)
  * x0 and v0 come first, then watch and rest. A stream that the scene does not
  * have has 0 bytes. */
 enum { PLACE, SPEED, WATCH, REST, STREAMS = STATE_STREAMS + 2 };
+enum { FROM = STREAMS - 2 }; /* and the last: targets of seams, m */
 static void list_streams(const struct world *w, void *stream[STREAMS],
                          size_t bytes[STREAMS])
 {
@@ -368,7 +369,7 @@ static bool good_stream(const struct world *w, int k, const uint8_t *at,
     if (k == REST)
         return good_rests(w, at, bytes);
     return good_reals(at, bytes / sizeof(real),
-                      k == PLACE ? REAL_BIG : (real)FLT_MAX);
+                      k == PLACE || k >= FROM ? REAL_BIG : (real)FLT_MAX);
 }
 
 /* A checkpoint as it was read, and checked but for what only applying it can

@@ -172,6 +172,23 @@ static const char *call_plan(struct api *a)
     return NULL;
 }
 
+/* A world without seams: tests/seam/calls.c has one with them. */
+static const char *call_seams(struct api *a)
+{
+    double gap[1][3] = {{0, 0, 0}};
+    int64_t n = drape_triangles(a->world);
+    REFUSES(drape_seam_target(NULL, 0, NULL));
+    REFUSES(drape_seam_target(a->world, 0, (const double(*)[3])gap));
+    REFUSES(drape_seam_target(a->world, -1, NULL));
+    REFUSES(drape_seam_state(NULL, 0, gap, gap));
+    REFUSES(drape_seam_state(a->world, 0, gap, gap));
+    REFUSES(drape_are_sewn(NULL, 0, 0));
+    REFUSES(drape_are_sewn(a->world, -1, 0));
+    REFUSES(drape_are_sewn(a->world, 0, n));
+    EXPECT(drape_are_sewn(a->world, 0, n - 1) == 0);
+    return NULL;
+}
+
 int api_write_none(void *user, const void *data, size_t bytes)
 {
     (void)user;
@@ -245,6 +262,9 @@ static const struct {
     {"drape_set_obstacle", api_call_obstacle},
     {"drape_set_obstacle_device", api_call_obstacle},
     {"drape_set_pose", api_call_obstacle},
+    {"drape_seam_target", call_seams},
+    {"drape_seam_state", call_seams},
+    {"drape_are_sewn", call_seams},
     {"drape_bodies", api_call_bodies},
     {"drape_add_cloth", api_call_bodies},
     {"drape_add_obstacle", api_call_bodies},
