@@ -14,14 +14,12 @@ const char *const sewing_stages[SEWING_STAGES] = {"darts", "across", "up",
 /* The fastest target. Within a step of 1/60 s it falls by 8 mm, which is less
  * than cloth moves when it falls freely for 0.05 s. */
 static const double fastest = 0.5; /* m/s */
-/* A target waits if the gap lags by this part of a cell, or the seam pulls by
- * more than this; it gives way at twice the pull. 30 N/m strains light cotton
- * by 3 %. */
-static const double lag = 0.5, strongest = 30; /* N/m */
+/* A target waits where the seam pulls by more than this, which strains light
+ * cotton by 3 %. */
+static const double strongest = 30; /* N/m */
+enum { AROUND = 3 }; /* points to either side over which pulls are averaged */
 /* What is called closed: this part of a cell. */
 static const double closed = 0.05;
-/* Of the velocity, what a step of sewing leaves. */
-static const double damping = 0.9;
 /* A seam whose ends are less steep than this runs across: sine of the angle. */
 static const double steep = 0.6;
 /* Panels that were parted are nearer than this, m, and are sewn early. */
@@ -89,13 +87,11 @@ static int make_seams(struct sewing *s)
         size_t n = (size_t)s->whole.seams[k].n;
         seam->n = (int64_t)n;
         seam->index = -1;
-        seam->from = pool_take(&s->pool, n, sizeof *seam->from);
+        seam->sewn = pool_take(&s->pool, n, sizeof *seam->sewn);
         seam->gap = pool_take(&s->pool, n, sizeof *seam->gap);
         seam->pull = pool_take(&s->pool, n, sizeof *seam->pull);
         seam->target = pool_take(&s->pool, n, sizeof *seam->target);
-        seam->way = pool_take(&s->pool, n, sizeof *seam->way);
-        if (!seam->from || !seam->gap || !seam->pull || !seam->target ||
-            !seam->way)
+        if (!seam->sewn || !seam->gap || !seam->pull || !seam->target)
             return no_memory();
         choose_stage(s, k);
     }
@@ -163,6 +159,7 @@ static void define(struct sewing *s, enum sewing_stage stage)
     def->n_seams = 0;
     for (int k = 0; k < s->whole.n_seams; k++) {
         s->seam[k].index = -1;
+        s->seam[k].sealed = false;
         if (s->seam[k].stage > stage)
             continue;
         s->seam[k].index = def->n_seams;
@@ -201,24 +198,6 @@ static int read_seams(struct sewing *s)
     return APP_OK;
 }
 
-/* Gives the seams whose turn comes their way to go. All of a stage close in one
- * time, so that where seams meet their targets agree. */
-static void begin_seams(struct sewing *s)
-{
-    double most = 0;
-    for (int k = 0; k < s->whole.n_seams; k++)
-        if (s->seam[k].stage == s->stage)
-            most = fmax(most, s->seam[k].most);
-    for (int k = 0; k < s->whole.n_seams; k++) {
-        struct sewing_seam *seam = &s->seam[k];
-        if (seam->stage != s->stage)
-            continue;
-        memcpy(seam->from, seam->gap, (size_t)seam->n * sizeof *seam->from);
-        memcpy(seam->target, seam->gap, (size_t)seam->n * sizeof *seam->from);
-        seam->rate = most > 0 ? fastest / most : 1 / s->whole.dt;
-    }
-}
-
 static int enter(struct sewing *s, enum sewing_stage stage)
 {
     int status = drape_read(s->world, s->x, s->v);
@@ -232,11 +211,7 @@ static int enter(struct sewing *s, enum sewing_stage stage)
     s->left = INFINITY;
     define(s, stage);
     status = scene_create(s->scene, s->overrides, &s->world);
-    if (status == APP_OK)
-        status = read_seams(s);
-    if (status == APP_OK)
-        begin_seams(s);
-    return status;
+    return status == APP_OK ? read_seams(s) : status;
 }
 
 /* The next stage that has a seam. */
@@ -277,54 +252,83 @@ bool sewing_is_closed(const struct sewing *sewing, int seam)
            sewing->seam[seam].most < closed * sewing->scene->seam[seam].cell;
 }
 
-/* Moves the target of a point of seam k on, unless it has to wait. Returns
- * whether it waits. */
-static bool move(const struct sewing *s, int k, int64_t p)
+/* How hard the seam pulls around a point, N/m, and its direction. A corner, or
+ * a single point, may have more. */
+static double pull_of(const struct sewing *s, int k, int64_t p, double to[3])
+{
+    const struct sewing_seam *seam = &s->seam[k];
+    double length = 0, size;
+    memset(to, 0, 3 * sizeof *to);
+    for (int64_t q = p - AROUND; q <= p + AROUND; q++) {
+        if (q < 0 || q >= seam->n)
+            continue;
+        length += s->scene->seam[k].length[q];
+        for (int i = 0; i < 3; i++)
+            to[i] += seam->pull[q][i];
+    }
+    size = length_of(to);
+    for (int i = 0; i < 3 && size > 0; i++)
+        to[i] /= size;
+    return size / length;
+}
+
+/* The part of its gap that each point is to close in this step, so that all
+ * that do not wait close at one time and none faster than it may. */
+static double part_of(const struct sewing *s)
+{
+    double most = 0, to[3];
+    for (int k = 0; k < s->whole.n_seams; k++)
+        for (int64_t p = 0; s->seam[k].index >= 0 && p < s->seam[k].n; p++)
+            if (!s->seam[k].sewn[p] && pull_of(s, k, p, to) <= strongest)
+                most = fmax(most, length_of(s->seam[k].gap[p]));
+    double step = fastest * s->whole.dt;
+    return most > step ? step / most : 1;
+}
+
+/* Sets the target of a point of seam k: a part of its gap less. Where the seam
+ * pulls too hard it waits, and gives way against the pull. Targets begin at the
+ * gaps that there are, so those of seams that meet agree, whatever has waited.
+ * Returns whether it waits. */
+static bool move(const struct sewing *s, int k, int64_t p, double part)
 {
     struct sewing_seam *seam = &s->seam[k];
-    double behind[3], step = seam->rate * s->whole.dt;
+    double *target = seam->target[p], to[3], pull = pull_of(s, k, p, to);
+    if (seam->sewn[p])
+        return false;
+    memcpy(target, seam->gap[p], sizeof seam->target[p]);
+    if (pull > strongest) {
+        double give = fastest * s->whole.dt * fmin(pull / strongest - 1, 1);
+        for (int i = 0; i < 3; i++)
+            target[i] -= give * to[i];
+        return true;
+    }
     for (int i = 0; i < 3; i++)
-        behind[i] = seam->gap[p][i] - seam->target[p][i];
-    double pull = length_of(seam->pull[p]) / s->scene->seam[k].length[p];
-    bool waits =
-        length_of(behind) > lag * s->scene->seam[k].cell || pull > strongest;
-    if (!waits)
-        seam->way[p] = fmin(1, seam->way[p] + step);
-    else if (pull > 2 * strongest)
-        seam->way[p] = fmax(0, seam->way[p] - step);
-    for (int i = 0; i < 3; i++)
-        seam->target[p][i] = seam->from[p][i] * (1 - seam->way[p]);
-    return waits;
+        target[i] *= 1 - part;
+    seam->sewn[p] = part == 1;
+    return false;
 }
 
 static int move_targets(struct sewing *s)
 {
+    double part = part_of(s);
     for (int k = 0; k < s->whole.n_seams; k++) {
         struct sewing_seam *seam = &s->seam[k];
         if (seam->index < 0)
             continue;
+        if (seam->sealed)
+            continue;
         seam->waiting = 0;
-        for (int64_t p = 0; p < seam->n; p++)
-            seam->waiting += move(s, k, p);
+        seam->sealed = true;
+        for (int64_t p = 0; p < seam->n; p++) {
+            seam->waiting += move(s, k, p, part);
+            seam->sealed &= seam->sewn[p];
+        }
         int status = drape_seam_target(s->world, seam->index,
                                        (const double(*)[3])seam->target);
         if (status != DRAPE_OK)
             return failed("a seam's target", status);
     }
     return APP_OK;
-}
-
-/* Takes a part of the velocity away. */
-static int damp(struct sewing *s)
-{
-    int status = drape_read(s->world, NULL, s->v);
-    for (int64_t k = 0; k < s->nc; k++)
-        for (int i = 0; i < 3; i++)
-            s->v[k][i] *= damping;
-    if (status == DRAPE_OK)
-        status =
-            drape_set_velocities(s->world, 0, s->nc, (const double(*)[3])s->v);
-    return status == DRAPE_OK ? APP_OK : failed("velocities", status);
 }
 
 /* Lets gravity come evenly. */
@@ -364,8 +368,8 @@ static bool is_done(struct sewing *s)
 int sewing_step(struct sewing *sewing, drape_step_report *report)
 {
     int status = move_targets(sewing);
-    if (status == APP_OK)
-        status = sewing->stage == SEWING_WORN ? weigh(sewing) : damp(sewing);
+    if (status == APP_OK && sewing->stage == SEWING_WORN)
+        status = weigh(sewing);
     if (status != APP_OK)
         return status;
     int known = drape_step(sewing->world, report);

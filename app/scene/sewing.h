@@ -19,10 +19,10 @@ extern const char *const sewing_stages[SEWING_STAGES];
 struct sewing_seam {
     enum sewing_stage stage; /* in which its turn comes */
     int64_t n;
-    int index;           /* in the world; -1: its turn has not come */
-    double (*from)[3];   /* [n] m, the gap when its turn came */
-    double *way;         /* [n] 0 … 1: how far the target has fallen */
-    double rate;         /* of the way, 1/s */
+    int index;     /* in the world; -1: its turn has not come */
+    bool sealed;   /* all points are, and the world knows: a target that is set
+                      would wake all cloths */
+    uint8_t *sewn; /* [n] 1: its gap has been closed once */
     double (*gap)[3];    /* [n] m, particle - place, after the last step */
     double (*pull)[3];   /* [n] N, on the particle, in the last step */
     double (*target)[3]; /* [n] m */
