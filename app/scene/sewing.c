@@ -14,10 +14,9 @@ const char *const sewing_stages[SEWING_STAGES] = {"darts", "across", "up",
 /* The fastest target. Within a step of 1/60 s it falls by 8 mm, which is less
  * than cloth moves when it falls freely for 0.05 s. */
 static const double fastest = 0.5; /* m/s */
-/* A target waits where the seam pulls by more than this, which strains light
- * cotton by 3 %. */
-static const double strongest = 30; /* N/m */
-enum { AROUND = 3 }; /* points to either side over which pulls are averaged */
+/* The greatest pull of a seam while it is sewn, which strains light cotton by 3
+ * %, and once it is worn. */
+static const double sewing_pull = 30, worn_pull = 300; /* N/m */
 /* What is called closed: this part of a cell. */
 static const double closed = 0.05;
 /* A seam whose ends are less steep than this runs across: sine of the angle. */
@@ -87,6 +86,9 @@ static int make_seams(struct sewing *s)
         size_t n = (size_t)s->whole.seams[k].n;
         seam->n = (int64_t)n;
         seam->index = -1;
+        for (int64_t p = 0; p < seam->n; p++)
+            seam->spacing +=
+                s->scene->seam[k].length[p] / (double)seam->n;
         seam->sewn = pool_take(&s->pool, n, sizeof *seam->sewn);
         seam->gap = pool_take(&s->pool, n, sizeof *seam->gap);
         seam->pull = pool_take(&s->pool, n, sizeof *seam->pull);
@@ -163,7 +165,9 @@ static void define(struct sewing *s, enum sewing_stage stage)
         if (s->seam[k].stage > stage)
             continue;
         s->seam[k].index = def->n_seams;
-        s->turn[def->n_seams++] = s->whole.seams[k];
+        s->turn[def->n_seams] = s->whole.seams[k];
+        s->turn[def->n_seams++].strength =
+            (worn ? worn_pull : sewing_pull) * s->seam[k].spacing;
     }
     memset(def->gravity, 0, sizeof def->gravity);
     if (!worn)
@@ -252,60 +256,38 @@ bool sewing_is_closed(const struct sewing *sewing, int seam)
            sewing->seam[seam].most < closed * sewing->scene->seam[seam].cell;
 }
 
-/* How hard the seam pulls around a point, N/m, and its direction. A corner, or
- * a single point, may have more. */
-static double pull_of(const struct sewing *s, int k, int64_t p, double to[3])
+/* Whether something holds a point of seam k back: it pulls as hard as it may. */
+static bool waits(const struct sewing *s, int k, int64_t p)
 {
     const struct sewing_seam *seam = &s->seam[k];
-    double length = 0, size;
-    memset(to, 0, 3 * sizeof *to);
-    for (int64_t q = p - AROUND; q <= p + AROUND; q++) {
-        if (q < 0 || q >= seam->n)
-            continue;
-        length += s->scene->seam[k].length[q];
-        for (int i = 0; i < 3; i++)
-            to[i] += seam->pull[q][i];
-    }
-    size = length_of(to);
-    for (int i = 0; i < 3 && size > 0; i++)
-        to[i] /= size;
-    return size / length;
+    double most = s->turn[seam->index].strength;
+    return !seam->sewn[p] && length_of(seam->pull[p]) > 0.99 * most;
 }
 
 /* The part of its gap that each point is to close in this step, so that all
  * that do not wait close at one time and none faster than it may. */
 static double part_of(const struct sewing *s)
 {
-    double most = 0, to[3];
+    double most = 0, step = fastest * s->whole.dt;
     for (int k = 0; k < s->whole.n_seams; k++)
         for (int64_t p = 0; s->seam[k].index >= 0 && p < s->seam[k].n; p++)
-            if (!s->seam[k].sewn[p] && pull_of(s, k, p, to) <= strongest)
+            if (!s->seam[k].sewn[p] && !waits(s, k, p))
                 most = fmax(most, length_of(s->seam[k].gap[p]));
-    double step = fastest * s->whole.dt;
     return most > step ? step / most : 1;
 }
 
-/* Sets the target of a point of seam k: a part of its gap less. Where the seam
- * pulls too hard it waits, and gives way against the pull. Targets begin at the
- * gaps that there are, so those of seams that meet agree, whatever has waited.
- * Returns whether it waits. */
-static bool move(const struct sewing *s, int k, int64_t p, double part)
+/* Sets the target of a point of seam k: a part less of the gap that there is,
+ * so those of seams that meet agree, whatever has waited. */
+static void move(const struct sewing *s, int k, int64_t p, double part)
 {
     struct sewing_seam *seam = &s->seam[k];
-    double *target = seam->target[p], to[3], pull = pull_of(s, k, p, to);
+    double size = length_of(seam->gap[p]), step = fastest * s->whole.dt;
     if (seam->sewn[p])
-        return false;
-    memcpy(target, seam->gap[p], sizeof seam->target[p]);
-    if (pull > strongest) {
-        double give = fastest * s->whole.dt * fmin(pull / strongest - 1, 1);
-        for (int i = 0; i < 3; i++)
-            target[i] -= give * to[i];
-        return true;
-    }
+        return;
+    part = fmin(part, size > step ? step / size : 1);
     for (int i = 0; i < 3; i++)
-        target[i] *= 1 - part;
-    seam->sewn[p] = part == 1;
-    return false;
+        seam->target[p][i] = (1 - part) * seam->gap[p][i];
+    seam->sewn[p] = part == 1 && !waits(s, k, p);
 }
 
 static int move_targets(struct sewing *s)
@@ -320,7 +302,8 @@ static int move_targets(struct sewing *s)
         seam->waiting = 0;
         seam->sealed = true;
         for (int64_t p = 0; p < seam->n; p++) {
-            seam->waiting += move(s, k, p, part);
+            seam->waiting += waits(s, k, p);
+            move(s, k, p, part);
             seam->sealed &= seam->sewn[p];
         }
         int status = drape_seam_target(s->world, seam->index,

@@ -22,6 +22,7 @@ struct sewing_seam {
     int index;     /* in the world; -1: its turn has not come */
     bool sealed;   /* all points are, and the world knows: a target that is set
                       would wake all cloths */
+    double spacing; /* m, mean length of the seam a point */
     uint8_t *sewn; /* [n] 1: its gap has been closed once */
     double (*gap)[3];    /* [n] m, particle - place, after the last step */
     double (*pull)[3];   /* [n] N, on the particle, in the last step */
