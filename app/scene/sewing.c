@@ -17,6 +17,8 @@ static const double fastest = 0.5; /* m/s */
 /* The greatest pull of a seam while it is sewn, which strains light cotton by 3
  * %, and once it is worn. */
 static const double sewing_pull = 30, worn_pull = 300; /* N/m */
+/* What sewing leaves undone of a step is taken up by the next one. */
+static const double loose = 1e-2;
 /* What is called closed: this part of a cell. */
 static const double closed = 0.05;
 /* A seam whose ends are less steep than this runs across: sine of the angle. */
@@ -87,8 +89,7 @@ static int make_seams(struct sewing *s)
         seam->n = (int64_t)n;
         seam->index = -1;
         for (int64_t p = 0; p < seam->n; p++)
-            seam->spacing +=
-                s->scene->seam[k].length[p] / (double)seam->n;
+            seam->spacing += s->scene->seam[k].length[p] / (double)seam->n;
         seam->sewn = pool_take(&s->pool, n, sizeof *seam->sewn);
         seam->gap = pool_take(&s->pool, n, sizeof *seam->gap);
         seam->pull = pool_take(&s->pool, n, sizeof *seam->pull);
@@ -170,8 +171,10 @@ static void define(struct sewing *s, enum sewing_stage stage)
             (worn ? worn_pull : sewing_pull) * s->seam[k].spacing;
     }
     memset(def->gravity, 0, sizeof def->gravity);
-    if (!worn)
+    if (!worn) {
         def->sleep = 0;
+        def->tolerance = fmax(def->tolerance, loose);
+    }
 }
 
 /* Reads what the seams are like. */
@@ -256,7 +259,8 @@ bool sewing_is_closed(const struct sewing *sewing, int seam)
            sewing->seam[seam].most < closed * sewing->scene->seam[seam].cell;
 }
 
-/* Whether something holds a point of seam k back: it pulls as hard as it may. */
+/* Whether something holds a point of seam k back: it pulls as hard as it may.
+ */
 static bool waits(const struct sewing *s, int k, int64_t p)
 {
     const struct sewing_seam *seam = &s->seam[k];
