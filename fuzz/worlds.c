@@ -27,6 +27,7 @@ drape_world *damage_world(struct small *s, unsigned k, struct tape *tape)
         drape_world *world = NULL;
         small_make(s, &b);
         choices_free(&b);
+        s->def.n_seams = 0; /* the corpora hold checkpoints of these worlds */
         if (drape_create(&s->def, &world, NULL) != DRAPE_OK)
             continue;
         for (unsigned step = 0; step < k; step++)

@@ -87,6 +87,7 @@ void control_tell_cloth(struct world *w, int k)
     resend_stream(w, w->surface + k, h->surface + k, sizeof *w->surface);
     w->run->motion_laws(w->on, s);
     derive_from_cloths(w);
+    sew_stiffen(w);
 }
 
 int control_material(struct world *w, int cloth, const drape_material *m)
@@ -108,7 +109,6 @@ int control_material(struct world *w, int cloth, const drape_material *m)
     }
     s->made.material = *m;
     control_tell_cloth(w, cloth);
-    sew_stiffen(w);
     sleep_wake(w);
     return w->run->status(w->on);
 }
