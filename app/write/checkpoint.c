@@ -174,13 +174,13 @@ static bool is_report(const drape_step_report *s, int64_t step)
 {
     const int64_t most = (int64_t)1 << 40;
     const drape_work *w = &s->work;
-    const int64_t count[] = {s->slices,       s->substeps,      s->iterations,
-                             s->rounds,       s->contacts,      s->impacts,
-                             s->candidates,   s->zone_vertices, s->rolled_back,
-                             s->intersecting, w->tries,         w->solves,
-                             w->queries,      w->narrow,        w->boxes,
-                             w->boxes_kept,   w->walked,        w->cleared,
-                             w->near,         w->later,         s->asleep};
+    const int64_t count[] = {
+        s->slices,      s->substeps,     s->iterations, s->rounds,
+        s->contacts,    s->impacts,      s->candidates, s->zone_vertices,
+        s->rolled_back, s->intersecting, s->sewn,       w->tries,
+        w->solves,      w->queries,      w->narrow,     w->boxes,
+        w->boxes_kept,  w->walked,       w->cleared,    w->near,
+        w->later,       s->asleep};
     bool good = s->step == step && is_number(s->time, 0) &&
                 is_number(s->residual, 0) && is_number(s->kinetic, 0) &&
                 is_number(s->elastic, 0) && isfinite(s->potential) &&
