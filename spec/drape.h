@@ -73,7 +73,7 @@ enum drape_outcome {
     DRAPE_DIVERGED = 16,   /* energy appeared from nothing, or a value was not
                               finite. The state and the time are those before
                               the step (cloth/dynamics.md §3) */
-    DRAPE_ASLEEP = 32,     /* all cloths are asleep and nothing is led: the step
+    DRAPE_ASLEEP = 32,     /* all cloths are asleep and no body moves: the step
                               was skipped */
     DRAPE_PASSED = 64      /* cloth went through something during the step,
                               which the response could not prevent; at the end

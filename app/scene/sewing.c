@@ -8,8 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const sewing_stages[SEWING_STAGES] = {"darts", "across", "up",
-                                                  "worn"};
+const char *const sewing_stages[SEWING_STAGES] = {"darts", "seams", "worn"};
 
 /* The fastest target. Within a step of 1/60 s it falls by 8 mm, which is less
  * than cloth moves when it falls freely for 0.05 s. */
@@ -21,10 +20,6 @@ static const double sewing_pull = 30, worn_pull = 300; /* N/m */
 static const double loose = 1e-2;
 /* What is called closed: this part of a cell. */
 static const double closed = 0.05;
-/* A seam whose ends are less steep than this runs across: sine of the angle. */
-static const double steep = 0.6;
-/* Panels that were parted are nearer than this, m, and are sewn early. */
-static const double parted = 0.05;
 /* Steps without progress after which a stage gives up, s; frames in which
  * gravity comes. */
 static const double patience = 1.5;
@@ -43,38 +38,6 @@ static int no_memory(void)
 static int failed(const char *what, int status)
 {
     return complain(APP_FAILED, "sew: %s: %s", what, drape_status_text(status));
-}
-
-/* Where a cloth's particles start. */
-static const double *start_of(const struct sewing *s, int cloth, int32_t p)
-{
-    return s->whole.cloths[cloth].x[p];
-}
-
-/* Decides when a seam's turn comes, by the start. */
-static void choose_stage(struct sewing *s, int k)
-{
-    const drape_seam *seam = &s->whole.seams[k];
-    double up[3] = {0, 1, 0}, along[3], most = 0, g, rise = 0;
-    g = length_of(s->whole.gravity);
-    for (int i = 0; i < 3 && g > 0; i++)
-        up[i] = -s->whole.gravity[i] / g;
-    for (int64_t p = 0; p < seam->n; p++) {
-        const double *x = start_of(s, seam->cloth[0], seam->particle[p]);
-        const double *a = start_of(s, seam->cloth[1], seam->onto[p][0]);
-        double gap[3] = {x[0] - a[0], x[1] - a[1], x[2] - a[2]};
-        most = fmax(most, length_of(gap));
-    }
-    const double *a = start_of(s, seam->cloth[0], seam->particle[0]);
-    const double *b = start_of(s, seam->cloth[0], seam->particle[seam->n - 1]);
-    for (int i = 0; i < 3; i++) {
-        along[i] = b[i] - a[i];
-        rise += along[i] * up[i];
-    }
-    bool across = fabs(rise) < steep * length_of(along) || most < parted;
-    s->seam[k].stage = s->scene->seam[k].dart ? SEWING_DARTS
-                       : across               ? SEWING_ACROSS
-                                              : SEWING_UP;
 }
 
 static int make_seams(struct sewing *s)
@@ -96,7 +59,7 @@ static int make_seams(struct sewing *s)
         seam->target = pool_take(&s->pool, n, sizeof *seam->target);
         if (!seam->sewn || !seam->gap || !seam->pull || !seam->target)
             return no_memory();
-        choose_stage(s, k);
+        seam->stage = s->scene->seam[k].dart ? SEWING_DARTS : SEWING_SEAMS;
     }
     return APP_OK;
 }

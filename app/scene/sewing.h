@@ -8,9 +8,9 @@
 /* Seams are drawn together in this order. Then the garment is worn, with
  * gravity and friction. */
 enum sewing_stage {
-    SEWING_DARTS,
-    SEWING_ACROSS, /* that run across, as shoulders do, or of parted panels */
-    SEWING_UP,     /* that run up, as sides do */
+    SEWING_DARTS, /* seams within a panel whose edges meet */
+    SEWING_SEAMS, /* all others, together: what closes later holds in its place
+                     what closes before */
     SEWING_WORN,
     SEWING_STAGES
 };
@@ -19,11 +19,11 @@ extern const char *const sewing_stages[SEWING_STAGES];
 struct sewing_seam {
     enum sewing_stage stage; /* in which its turn comes */
     int64_t n;
-    int index;     /* in the world; -1: its turn has not come */
-    bool sealed;   /* all points are, and the world knows: a target that is set
-                      would wake all cloths */
+    int index;      /* in the world; -1: its turn has not come */
+    bool sealed;    /* all points are, and the world knows: a target that is set
+                       would wake all cloths */
     double spacing; /* m, mean length of the seam a point */
-    uint8_t *sewn; /* [n] 1: its gap has been closed once */
+    uint8_t *sewn;  /* [n] 1: its gap has been closed once */
     double (*gap)[3];    /* [n] m, particle - place, after the last step */
     double (*pull)[3];   /* [n] N, on the particle, in the last step */
     double (*target)[3]; /* [n] m */

@@ -239,6 +239,40 @@ class Control:
         g = scenes.array(gravity, (3,), "gravity")
         self._call("drape_set_gravity", "gravity", g.tolist())
 
+    def seam(self, seam: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Returns what a seam is like: the gap of each point, [points, 3] m, its
+        particle minus its place, and the seam's pull on the particle, [points, 3] N.
+
+        Args:
+            seam: its number, in the order of the garments and of their stitches
+        """
+        n = self._points(seam)
+        gap, pull = np.empty((n, 3)), np.empty((n, 3))
+        here = [ffi.cast("double (*)[3]", a.ctypes.data) for a in (gap, pull)]
+        self._call("drape_seam_state", f"seam {seam}", seam, *here)
+        return gap, pull
+
+    def set_seam(self, seam: int, gap: ArrayLike | None = None) -> None:
+        """Sets the gaps that a seam is to have from the end of the next step on.
+
+        Args:
+            seam: its number
+            gap: [points, 3] m, particle minus place; None: it is to be closed
+        """
+        n, target = self._points(seam), ffi.NULL
+        if gap is not None:
+            kept = scenes.array(gap, (n, 3), f"seam {seam}: gap")
+            target = ffi.cast("double (*)[3]", kept.ctypes.data)
+        self._call("drape_seam_target", f"seam {seam}", seam, target)
+
+    def _points(self, seam: int) -> int:
+        """Returns how many points a seam has."""
+        definition = self._open().definition
+        if not 0 <= scenes.whole(seam, "seam") < definition.n_seams:
+            count = definition.n_seams
+            raise SceneError(f"seam {seam}: there is no such seam, of {count}")
+        return int(definition.seams[seam].n)
+
     def set_material(
         self,
         cloth: int | str | Any,

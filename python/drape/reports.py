@@ -135,6 +135,9 @@ class StepReport:
             and that it put back
         intersecting: intersecting pairs of triangles at the end of the step, as
             drape_audit counts them; not 0 only with DRAPE_TRAPPED
+        sewn: pairs that intersect beside a seam, which are not in
+            `intersecting` (seam/seam.md §5), where this step had to count
+            pairs; else 0
         kinetic, elastic, potential: J, of all cloths, at the end of the step;
             potential: of gravity, 0 at the origin
         seconds: (*) wall time of each part
@@ -156,6 +159,7 @@ class StepReport:
     zone_vertices: int
     rolled_back: int
     intersecting: int
+    sewn: int
     kinetic: float
     elastic: float
     potential: float

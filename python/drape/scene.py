@@ -73,6 +73,7 @@ PLACES: dict[str, Callable[[Any], Any]] = {
     "Material": lambda keys: {"cloths": [{"material": keys}]},
     "Pin": lambda keys: {"cloths": [{"pins": [keys]}]},
     "Panel": lambda keys: {"cloths": [{"panel": keys}]},
+    "Garment": lambda keys: {"garments": [keys]},
     "Region": lambda keys: {"cloths": [{"holes": [keys]}]},
     "Look": lambda keys: {"cloths": [{"look": keys}]},
     "Obstacle": lambda keys: {"obstacles": [keys]},
@@ -323,6 +324,30 @@ class Panel(Keys):
 
 
 @dataclass(kw_only=True, eq=False, repr=False)
+class Garment(Keys):
+    """All panels of a sewing pattern, each a cloth of its name, and their seams, a
+    stitch each. Seams hold what they have at the start: `drape sew` closes them.
+
+    Attributes:
+        pattern: a JSON file as GarmentCode writes it
+        name: before the names of its panels; without it they stand alone
+        cell: m, side of a cell
+        material: a fabric's name, a Material or a mapping
+        at: [3] m, where the pattern's origin is
+        sewn: a PLY mesh of its particles, as `drape sew` writes, where it starts
+        look: of all its panels
+    """
+
+    pattern: str | None = None
+    name: str | None = None
+    cell: float | None = None
+    material: str | Material | Mapping[str, Any] | None = None
+    at: Vector | None = None
+    sewn: str | None = None
+    look: Look | None = None
+
+
+@dataclass(kw_only=True, eq=False, repr=False)
 class Cloth(Keys):
     """A rectangular sheet of m × n particles, or a panel.
 
@@ -455,7 +480,8 @@ class Scene(Keys):
 
     Attributes:
         name: of the run
-        cloths, obstacles, motions: the bodies, and the motions that they name
+        cloths, garments, obstacles, motions: the bodies, and the motions that they
+            name
         wind: default: there is no air
         camera: of pictures; default: one that sees all
         memory: GB that the library may hold
@@ -481,6 +507,7 @@ class Scene(Keys):
 
     name: str | None = None
     cloths: Sequence[Cloth] | None = None
+    garments: Sequence[Garment] | None = None
     obstacles: Sequence[Obstacle] | None = None
     motions: Sequence[Motion] | None = None
     wind: Wind | None = None
@@ -529,6 +556,10 @@ class Scene(Keys):
             panel = body.panel
             if isinstance(panel, Panel) and isinstance(panel.pattern, str):
                 panel.pattern = os.path.join(folder, panel.pattern)
+        for garment in _only(made.garments, Garment):
+            for name in ("pattern", "sewn"):
+                if isinstance(file := getattr(garment, name), str):
+                    setattr(garment, name, os.path.join(folder, file))
         for obstacle in _only(made.obstacles, Obstacle):
             if isinstance(file := obstacle.mesh, str):
                 beside = os.path.join(folder, file)
@@ -639,9 +670,11 @@ INSIDE: dict[type[Any], dict[str, type[Any]]] = {
         **{"start": Start, "material": Material, "holes": Region, "cuts": Region},
         **{"pins": Pin, "look": Look, "panel": Panel},
     },
+    Garment: {"material": Material, "look": Look},
     Obstacle: {"frames": Frames, "bend": Bend, "look": Look},
     Scene: {
-        **{"cloths": Cloth, "obstacles": Obstacle, "motions": Motion},
+        **{"cloths": Cloth, "garments": Garment, "obstacles": Obstacle},
+        **{"motions": Motion},
         **{"wind": Wind, "camera": Camera},
     },
 }

@@ -31,6 +31,7 @@ TABLES = {
     drape.Region: "cloth.c",
     drape.Pin: "cloth.c",
     drape.Panel: "panel.c",
+    drape.Garment: "garments.c",
     drape.Cloth: "cloth.c",
     drape.Look: "look.c",
     drape.Frames: "sequence.c",

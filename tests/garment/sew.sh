@@ -73,3 +73,34 @@ exits 'panels where a mesh has them' 0 run again.json --out worn
 is 'have the names of their garment' grep -q '"name": "vest.left"' worn/report.json
 sed 's/"halves.json"/"none.json"/' garment.json >again.json
 refused 'a garment of no pattern' 'pattern none.json: no such file' run again.json
+
+# closed PYTHON: the condition holds of sew, the report of a garment that was sewn.
+closed() {
+    python3 -c "import json
+sew = json.load(open('shirt/sew.json'))
+assert ($1), sew['seams']"
+}
+cp "$root/app/patterns/tee.json" .
+sed 's/"cell": 0.01/"cell": 0.03/' "$root/app/patterns/worn.json" >worn.json
+exits 'a T-shirt is sewn on a body' 0 sew worn.json --frames 120 --no-picture --out shirt
+is 'all its seams are closed' closed '
+all(s["closed"] and s["gap_cells"] < 0.01 for s in sew["seams"])'
+is 'nothing crosses in any frame' closed '
+len(sew["frames"]) == 121 and not any(f["pairs"] for f in sew["frames"])'
+is 'nothing is stretched' sh -c '! grep -q "is stretched" err'
+exits 'and goes on as a scene' 0 run shirt/sewn.json --frames 2 --out on
+is 'whose seams are closed from the start' sh -c '! grep -q "open" err'
+# a plate between front and back, wider than both
+python3 - <<'EOT'
+import json
+scene = json.load(open("worn.json"))
+scene["obstacles"] = [{"name": "plate", "shape": "plane", "extent": [0.4, 0.02, 2],
+                       "axis": [1, 0, 0], "angle": 90, "at": [0, 1.2, 0.01]}]
+json.dump(scene, open("blocked.json", "w"))
+EOT
+"$drape" sew blocked.json --frames 100 --no-picture --out shirt --force >out 2>err
+is 'a seam that cannot close is named' grep -q 'seam front 3 to back 5 is open by' err
+is 'pulls no harder than it may' closed '
+all(s["pull_N_per_m"] < 90 for s in sew["seams"])'
+is 'and tears nothing' closed 'not any(f["pairs"] for f in sew["frames"])'
+refused 'a garment without a seam' 'there is no seam to sew' sew garment.json --out refused
