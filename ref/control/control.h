@@ -34,14 +34,14 @@ int control_obstacle(struct world *w, int obstacle, struct given x);
 int control_pose(struct world *w, int obstacle, const drape_motion *motion);
 
 /* seam.md §4: the points of seam k; -1: there is no such seam. */
-int64_t control_seam_points(const struct world *w, int k);
+int64_t control_seam_points(const struct world *w, int seam);
 /* Sets the targets of seam k, of n points. gap: [n], NULL: 0. DRAPE_OK,
  * DRAPE_EARG, DRAPE_EDATA or DRAPE_EDEVICE. */
-int control_seam_target(struct world *w, int k, int64_t n,
+int control_seam_target(struct world *w, int seam, int64_t n,
                         const double (*gap)[3]);
 /* Reads seam k; gap and pull may be NULL. DRAPE_OK, DRAPE_EARG, DRAPE_EDEVICE.
  */
-int control_seam_state(const struct world *w, int k, double (*gap)[3],
+int control_seam_state(const struct world *w, int seam, double (*gap)[3],
                        double (*pull)[3]);
 /* seam.md §5: whether triangles a and b of the scene are sewn together. */
 bool control_are_sewn(const struct world *w, int32_t a, int32_t b);
