@@ -80,6 +80,9 @@ AROUND = {
     ("obstacle", "friction"): {"material": {"friction": 0}},
     ("material", "friction"): {"obstacle": {"friction": 0}},
 }
+# The pattern of a garment: one panel, 0.1 m wide.
+SQUARE = {"vertices": [[0, 0], [10, 0], [10, 10], [0, 10]],
+          "edges": [{"endpoints": [k, (k + 1) % 4]} for k in range(4)]}
 # A small cloth, but where its size is the question.
 SMALL = {"particles": [9, 9], "size": [0.4, 0.4]}
 
@@ -87,7 +90,7 @@ SMALL = {"particles": [9, 9], "size": [0.4, 0.4]}
 def scene(section, key, given):
     """A sheet above a ball; `given` {} or {key: value} in its section."""
     parts = {name: {} for name in ("wind", "camera", "cloth", "start",
-                                   "material", "obstacle", "look")}
+                                   "material", "obstacle", "look", "garment")}
     parts["start"] = {"at": [0, 0.61, 0]}
     parts["obstacle"] = {"shape": "sphere", "at": [0.1, 0.1, 0], "detail": 12}
     for name, change in {**AROUND.get((section, None), {}),
@@ -102,6 +105,13 @@ def scene(section, key, given):
     whole = {"wind": parts["wind"], "camera": parts["camera"],
              "cloths": [cloth], "obstacles": [parts["obstacle"]],
              "allow_intersecting": True, "sleep": False}
+    if section == "garment":
+        with open("square.json", "w") as file:
+            json.dump({"pattern": {"panels": {"square": SQUARE}},
+                       "properties": {"units_in_meter": 100}}, file)
+        garment = dict(parts["garment"], pattern="square.json")
+        whole = dict(whole, cloths=[], garments=[garment])
+        del whole["wind"]  # panels do not feel it
     return dict(whole, **given) if section == "scene" else whole
 
 
@@ -181,7 +191,7 @@ def main():
                     check_range(section, key[1], span, default)
                     check_default(section, key[1], default, settings)
         os.chdir("/")
-    check("every table was read", len(tables) == 8)
+    check("every table was read", len(tables) == 9)
     told = {name for row in tables["scene"]
             for name in re.findall(r"`(\w+)`", row[0])}
     check("every setting is in the table", set(settings) <= told)

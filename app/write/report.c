@@ -60,10 +60,11 @@ static void put_step(FILE *out, const struct report *report, int64_t k)
             ", \"rounds\": %d, \"asleep\": %d, \"contacts\": %lld, "
             "\"impacts\": %lld, "
             "\"candidates\": %lld, \"zone_vertices\": %lld, "
-            "\"rolled_back\": %lld, \"intersecting\": %lld",
+            "\"rolled_back\": %lld, \"intersecting\": %lld, \"sewn\": %lld",
             s->rounds, s->asleep, (long long)s->contacts, (long long)s->impacts,
             (long long)s->candidates, (long long)s->zone_vertices,
-            (long long)s->rolled_back, (long long)s->intersecting);
+            (long long)s->rolled_back, (long long)s->intersecting,
+            (long long)s->sewn);
     put_number(out, "kinetic", s->kinetic);
     put_number(out, "elastic", s->elastic);
     put_number(out, "potential", s->potential);

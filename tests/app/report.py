@@ -18,12 +18,12 @@ import sys
 
 # The header of app/write/checkpoint.h and drape_step_report, in the host's layout.
 HEADER = struct.Struct("@16s Q Q q d 3d 2d 2i")
-ROW = struct.Struct("@q d 4i d 2i 6q 3d 5d 4i 6q")
-OUTCOME, SECONDS, WORK = 2, slice(18, 23), slice(23, 33)
+ROW = struct.Struct("@q d 4i d 2i 7q 3d 5d 4i 6q")
+OUTCOME, SECONDS, WORK = 2, slice(19, 24), slice(24, 34)
 FIELDS = ["step", "time", "outcome", "slices", "substeps", "iterations",
           "residual", "rounds", "asleep", "contacts", "impacts", "candidates",
-          "zone_vertices", "rolled_back", "intersecting", "kinetic", "elastic",
-          "potential"]
+          "zone_vertices", "rolled_back", "intersecting", "sewn", "kinetic",
+          "elastic", "potential"]
 PARTS = ["integration", "solver", "broad", "proximity", "penetration"]
 WORKS = ["tries", "solves", "queries", "narrow", "boxes", "boxes_kept",
          "walked", "cleared", "near", "later"]
@@ -160,7 +160,7 @@ def invent(rows):
         new = [1000 * j + k for j in range(len(row))]
         new[0], new[1] = row[0], row[1]
         new[OUTCOME] = k % 128 & ~DIVERGED
-        for j in [6, 15, 16, 17, *range(SECONDS.start, SECONDS.stop)]:
+        for j in [6, 16, 17, 18, *range(SECONDS.start, SECONDS.stop)]:
             new[j] += 0.125
         made.append(new)
     return made
@@ -211,14 +211,14 @@ def check_bounds(drape, header, rows, state):
     """The greatest and the least values that a run can have."""
     for high in (True, False):
         row, head = list(rows[3]), list(header)
-        for j in [*range(9, 15), *range(27, 33)]:
+        for j in [*range(9, 16), *range(28, 34)]:
             row[j] = 2 ** 40 if high else 0
-        for j in [3, 4, 5, 7, 8, *range(23, 27)]:
+        for j in [3, 4, 5, 7, 8, *range(24, 28)]:
             row[j] = 2 ** 31 - 1 if high else 0
         row[OUTCOME] = 127 & ~DIVERGED if high else 0
-        for j in [1, 6, 15, 16, *range(SECONDS.start, SECONDS.stop)]:
+        for j in [1, 6, 16, 17, *range(SECONDS.start, SECONDS.stop)]:
             row[j] = 1e300 if high else 0.0
-        row[17] = -1e300
+        row[18] = -1e300
         head[4], head[10], head[11] = (1e9, 10 ** 9, 6) if high else (0.0, 1, 0)
         write("made.drape", head, rows[:3] + [row] + rows[4:], state)
         status, _, err = resume(drape, "made.drape", 6)
@@ -232,10 +232,10 @@ def check_ranges(drape, header, rows, state):
     check_bounds(drape, header, rows, state)
     nan, inf = float("nan"), float("inf")
     tries = [(0, 7), (1, nan), (1, -1.0), (2, 128), (2, -1), (2, DIVERGED)]
-    tries += [(j, -1) for j in [3, 4, 5, 7, *range(8, 15),
+    tries += [(j, -1) for j in [3, 4, 5, 7, *range(8, 16),
                                 *range(WORK.start, WORK.stop)]]
-    tries += [(j, 2 ** 41) for j in [*range(9, 15), *range(27, 33)]]
-    tries += [(j, v) for j in [6, 15, 16, 17] for v in [nan, inf]]
+    tries += [(j, 2 ** 41) for j in [*range(9, 16), *range(28, 34)]]
+    tries += [(j, v) for j in [6, 16, 17, 18] for v in [nan, inf]]
     tries += [(j, v) for j in range(SECONDS.start, SECONDS.stop)
               for v in [nan, inf, -1.0]]
     for j, value in tries:
