@@ -1,13 +1,38 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Shows how far a run or a film is: one line that is rewritten on a terminal,
- * else a line every few seconds. */
+ * else a line every few seconds. Lets Ctrl-C end it between steps. */
 #include "app/tool/progress.h"
 #include "app/base/app.h"
 #include "app/write/report.h"
 
+#include <signal.h>
 #include <stdio.h>
+#include <string.h>
 #include <time.h>
 #include <unistd.h>
+
+static volatile sig_atomic_t stopped;
+
+static void stop(int signal_number)
+{
+    (void)signal_number;
+    stopped = 1;
+}
+
+void progress_catch_stop(void)
+{
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = stop;
+    action.sa_flags = (int)SA_RESETHAND;
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+}
+
+bool progress_stopped(void)
+{
+    return stopped != 0;
+}
 
 double seconds_now(void)
 {

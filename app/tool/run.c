@@ -7,7 +7,6 @@
 #include "app/write/output.h"
 #include "app/write/trace.h"
 
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -25,26 +24,6 @@ struct run {
     int frames, checkpoint_every, tracing, obj, no_obj, force, contacts;
     bool failed; /* a step failed; the state before the step is intact */
 };
-
-/* Set by Ctrl-C; the run checks it between steps. */
-static volatile sig_atomic_t stopped;
-
-static void stop(int signal_number)
-{
-    (void)signal_number;
-    stopped = 1;
-}
-
-/* The first Ctrl-C ends the run in order, the second one kills the process. */
-static void catch_signals(void)
-{
-    struct sigaction action;
-    memset(&action, 0, sizeof action);
-    action.sa_handler = stop;
-    action.sa_flags = (int)SA_RESETHAND;
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-}
 
 /* Opens the trace. A resumed run keeps the rows of its earlier steps, also if
  * it does not trace its later steps. */
@@ -280,13 +259,13 @@ static int simulate(struct run *run)
 {
     int64_t each = run->scene.steps_per_frame;
     int64_t total = run->scene.frames * each;
-    catch_signals();
+    progress_catch_stop();
     int code = APP_OK;
     if (run->report.count == 0)
         code = output_frame(&run->output, run->world, 0);
     progress_begin(&run->progress, run->report.count, total);
     while (code == APP_OK && run->report.count < total) {
-        if (stopped) {
+        if (progress_stopped()) {
             code = APP_INTERRUPTED;
             break;
         }

@@ -8,7 +8,6 @@
 #include "app/write/report.h"
 #include "app/write/sewn.h"
 
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -27,25 +26,6 @@ struct sew {
     int frames, obj, force, no_picture;
     bool rest;
 };
-
-/* Set by Ctrl-C; the command checks it between steps. */
-static volatile sig_atomic_t stopped;
-
-static void stop(int signal_number)
-{
-    (void)signal_number;
-    stopped = 1;
-}
-
-static void catch_signals(void)
-{
-    struct sigaction action;
-    memset(&action, 0, sizeof action);
-    action.sa_handler = stop;
-    action.sa_flags = (int)SA_RESETHAND;
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-}
 
 /* Replaces a file's name, if it is one in this folder, by its whole path. */
 static void name_wholly(json_t *object, const char *key, const char *folder)
@@ -352,11 +332,11 @@ static int finish(struct sew *sew, int code)
 static int simulate(struct sew *sew)
 {
     int64_t total = (int64_t)sew->scene.frames * sew->scene.steps_per_frame;
-    catch_signals();
+    progress_catch_stop();
     int code = put_frame(sew, 0);
     progress_begin(&sew->progress, 0, total);
     while (code == APP_OK && sew->sewing.steps < total && !sew->rest)
-        code = stopped ? APP_INTERRUPTED : step(sew);
+        code = progress_stopped() ? APP_INTERRUPTED : step(sew);
     progress_end(&sew->progress);
     return code == APP_FAILED ? code : finish(sew, code);
 }
