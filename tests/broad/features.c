@@ -49,7 +49,9 @@ void gen_features(struct bytes *b, struct features *s)
     s->x1 = f.x1;
     s->tri = tree.tri;
     s->own = tree.own;
-    s->r = pick(b, 2) ? 0 : real_abs(pick_real(b, R(0.1)));
+    /* Not -0: box_meets then calls some boxes near, by the order in which they
+     * are joined, that are apart after t = 0. */
+    s->r = pick(b, 2) ? 0 : real_abs(pick_real(b, R(0.1))) + 0;
     s->n_moved = pick(b, 2) ? s->nv : 0;
     uint8_t *moved = take(b, s->n_moved, 1);
     for (int64_t v = 0; v < s->n_moved; v++)
