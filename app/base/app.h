@@ -22,6 +22,8 @@ extern bool app_quiet;
 __attribute__((format(printf, 2, 3)))
 #endif
 int complain(int code, const char *format, ...);
+/* Complains that there is no memory; APP_FAILED. */
+int no_memory(void);
 
 /* Prints to standard output what a command did, unless --quiet was given. */
 #if defined(__GNUC__)

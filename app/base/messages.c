@@ -31,3 +31,8 @@ int complain(int code, const char *format, ...)
         fprintf(stderr, "drape: %s\n", line);
     return code;
 }
+
+int no_memory(void)
+{
+    return complain(APP_FAILED, "out of memory");
+}

@@ -42,7 +42,7 @@ static int check_width(const struct garment *g, struct garment_panel *p)
 {
     if (outline_narrow(&p->outline, FEW * g->h, &p->strap, &p->gap) ==
         OUTLINE_MEMORY)
-        return complain(APP_FAILED, "out of memory");
+        return no_memory();
     if (!(p->strap.width < g->h * (1 - 1e-9)))
         return APP_OK;
     return complain(APP_USAGE,
@@ -109,7 +109,7 @@ static int refuse_cut(const struct garment *g, const struct garment_panel *p,
                         "%d particles a panel",
                         file, name, 1e3 * g->h, CUT_MOST);
     default:
-        return complain(APP_FAILED, "out of memory");
+        return no_memory();
     }
 }
 
@@ -155,10 +155,10 @@ static int cut_panel(const struct garment *g, struct garment_panel *p)
     double x[2] = {0, 0};
     if (!outline_make(&p->outline, p->panel->outline, p->panel->edges,
                       chord_error * g->h, g->h))
-        return complain(APP_FAILED, "out of memory");
+        return no_memory();
     enum outline_answer crosses = outline_crosses(&p->outline, &pair);
     if (crosses == OUTLINE_MEMORY)
-        return complain(APP_FAILED, "out of memory");
+        return no_memory();
     if (crosses == OUTLINE_YES)
         return refuse_crossing(g, p, &pair);
     int status = check_width(g, p);
@@ -174,7 +174,7 @@ int garment_cut(struct garment *garment, const struct pattern *pattern,
     *garment = (struct garment){.pattern = pattern, .h = h};
     garment->panel = calloc((size_t)pattern->panels, sizeof *garment->panel);
     if (!garment->panel)
-        return complain(APP_FAILED, "out of memory");
+        return no_memory();
     int status = APP_OK;
     for (int k = 0; k < pattern->panels && status == APP_OK; k++) {
         garment->panel[k].panel = &pattern->panel[k];
@@ -254,8 +254,7 @@ int garment_seam(const struct garment *garment,
         garment_is_clockwise(garment->panel[stitch->side[0].panel].panel) ==
         garment_is_clockwise(garment->panel[stitch->side[1].panel].panel);
     side[1].back = same != stitch->turned;
-    return cut_seam_make(seam, side) ? APP_OK
-                                     : complain(APP_FAILED, "out of memory");
+    return cut_seam_make(seam, side) ? APP_OK : no_memory();
 }
 
 bool garment_is_dart(const struct pattern *pattern,

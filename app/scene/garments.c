@@ -22,11 +22,6 @@ struct garment_key {
     struct scene_seam *about; /* [seams] */
 };
 
-static int no_memory(void)
-{
-    return complain(APP_FAILED, "out of memory");
-}
-
 /* The name of a cloth: the panel's, behind the garment's if it has one. */
 static char *name_panel(struct json *json, const struct garment_key *key,
                         const char *panel)

@@ -16,23 +16,17 @@ static const double fastest = 0.5; /* m/s */
 /* The greatest pull of a seam while it is sewn, which strains light cotton by 3
  * %, and once it is worn. */
 static const double sewing_pull = 30, worn_pull = 300; /* N/m */
-/* What sewing leaves undone of a step is taken up by the next one. */
-static const double loose = 1e-2;
-/* What is called closed: this part of a cell. */
-static const double closed = 0.05;
-/* Steps without progress after which a stage gives up, s; frames in which
- * gravity comes. */
-static const double patience = 1.5;
-enum { RAMP = 30 };
+/* What is called closed: this part of a cell; and what is near enough for the
+ * next stage, in which seams pull harder. */
+static const double closed = 0.05, near = 0.5;
+/* A stage ends, too, if what is open becomes less by no more than this part in
+ * this time, s. */
+static const double progress = 0.05, patience = 0.5;
+enum { RAMP = 30 }; /* frames in which gravity comes */
 
 static double length_of(const double a[3])
 {
     return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
-}
-
-static int no_memory(void)
-{
-    return complain(APP_FAILED, "out of memory");
 }
 
 static int failed(const char *what, int status)
@@ -53,11 +47,10 @@ static int make_seams(struct sewing *s)
         seam->index = -1;
         for (int64_t p = 0; p < seam->n; p++)
             seam->spacing += s->scene->seam[k].length[p] / (double)seam->n;
-        seam->sewn = pool_take(&s->pool, n, sizeof *seam->sewn);
         seam->gap = pool_take(&s->pool, n, sizeof *seam->gap);
         seam->pull = pool_take(&s->pool, n, sizeof *seam->pull);
         seam->target = pool_take(&s->pool, n, sizeof *seam->target);
-        if (!seam->sewn || !seam->gap || !seam->pull || !seam->target)
+        if (!seam->gap || !seam->pull || !seam->target)
             return no_memory();
         seam->stage = s->scene->seam[k].dart ? SEWING_DARTS : SEWING_SEAMS;
     }
@@ -66,7 +59,7 @@ static int make_seams(struct sewing *s)
 
 /* Makes the scene as it is once, to check it and to see where its bodies are at
  * time 0, and takes memory for what stages change. */
-static int look(struct sewing *s)
+static int inspect_scene(struct sewing *s)
 {
     const drape_def *def = &s->whole;
     int cloths = def->n_cloths, obstacles = def->n_obstacles;
@@ -96,7 +89,7 @@ static int look(struct sewing *s)
 }
 
 /* The definition of a stage, in the state of the world before it. */
-static void define(struct sewing *s, enum sewing_stage stage)
+static void define_stage(struct sewing *s, enum sewing_stage stage)
 {
     drape_def *def = &s->scene->def;
     bool worn = stage == SEWING_WORN;
@@ -125,7 +118,7 @@ static void define(struct sewing *s, enum sewing_stage stage)
     def->n_seams = 0;
     for (int k = 0; k < s->whole.n_seams; k++) {
         s->seam[k].index = -1;
-        s->seam[k].sealed = false;
+        s->seam[k].told = false;
         if (s->seam[k].stage > stage)
             continue;
         s->seam[k].index = def->n_seams;
@@ -134,10 +127,8 @@ static void define(struct sewing *s, enum sewing_stage stage)
             (worn ? worn_pull : sewing_pull) * s->seam[k].spacing;
     }
     memset(def->gravity, 0, sizeof def->gravity);
-    if (!worn) {
+    if (!worn)
         def->sleep = 0;
-        def->tolerance = fmax(def->tolerance, loose);
-    }
 }
 
 /* Reads what the seams are like. */
@@ -168,7 +159,7 @@ static int read_seams(struct sewing *s)
     return APP_OK;
 }
 
-static int enter(struct sewing *s, enum sewing_stage stage)
+static int enter_stage(struct sewing *s, enum sewing_stage stage)
 {
     int status = drape_read(s->world, s->x, s->v);
     if (status != DRAPE_OK)
@@ -179,13 +170,13 @@ static int enter(struct sewing *s, enum sewing_stage stage)
     s->begun[stage] = s->steps;
     s->still = 0;
     s->left = INFINITY;
-    define(s, stage);
+    define_stage(s, stage);
     status = scene_create(s->scene, s->overrides, &s->world);
     return status == APP_OK ? read_seams(s) : status;
 }
 
 /* The next stage that has a seam. */
-static enum sewing_stage next(const struct sewing *s, int from)
+static enum sewing_stage next_stage(const struct sewing *s, int from)
 {
     for (; from < SEWING_WORN; from++)
         for (int k = 0; k < s->whole.n_seams; k++)
@@ -201,10 +192,11 @@ int sewing_begin(struct sewing *sewing, struct scene *scene,
         .scene = scene, .overrides = overrides, .whole = scene->def};
     for (int k = 0; k < SEWING_STAGES; k++)
         sewing->begun[k] = -1;
-    int status = look(sewing);
+    int status = inspect_scene(sewing);
     if (status == APP_OK)
         status = make_seams(sewing);
-    return status == APP_OK ? enter(sewing, next(sewing, 0)) : status;
+    return status == APP_OK ? enter_stage(sewing, next_stage(sewing, 0))
+                            : status;
 }
 
 void sewing_end(struct sewing *sewing)
@@ -227,52 +219,45 @@ bool sewing_is_closed(const struct sewing *sewing, int seam)
 static bool waits(const struct sewing *s, int k, int64_t p)
 {
     const struct sewing_seam *seam = &s->seam[k];
-    double most = s->turn[seam->index].strength;
-    return !seam->sewn[p] && length_of(seam->pull[p]) > 0.99 * most;
+    return length_of(seam->pull[p]) > 0.99 * s->turn[seam->index].strength;
 }
 
 /* The part of its gap that each point is to close in this step, so that all
  * that do not wait close at one time and none faster than it may. */
-static double part_of(const struct sewing *s)
+static double find_part(const struct sewing *s)
 {
     double most = 0, step = fastest * s->whole.dt;
     for (int k = 0; k < s->whole.n_seams; k++)
         for (int64_t p = 0; s->seam[k].index >= 0 && p < s->seam[k].n; p++)
-            if (!s->seam[k].sewn[p] && !waits(s, k, p))
+            if (!waits(s, k, p))
                 most = fmax(most, length_of(s->seam[k].gap[p]));
     return most > step ? step / most : 1;
 }
 
-/* Sets the target of a point of seam k: a part less of the gap that there is,
- * so those of seams that meet agree, whatever has waited. */
-static void move(const struct sewing *s, int k, int64_t p, double part)
-{
-    struct sewing_seam *seam = &s->seam[k];
-    double size = length_of(seam->gap[p]), step = fastest * s->whole.dt;
-    if (seam->sewn[p])
-        return;
-    part = fmin(part, size > step ? step / size : 1);
-    for (int i = 0; i < 3; i++)
-        seam->target[p][i] = (1 - part) * seam->gap[p][i];
-    seam->sewn[p] = part == 1 && !waits(s, k, p);
-}
-
+/* Sets the target of each point: a part less of the gap that there is, so that
+ * those of seams that meet agree, whatever has waited. */
 static int move_targets(struct sewing *s)
 {
-    double part = part_of(s);
+    double part = find_part(s), step = fastest * s->whole.dt;
     for (int k = 0; k < s->whole.n_seams; k++) {
         struct sewing_seam *seam = &s->seam[k];
         if (seam->index < 0)
             continue;
-        if (seam->sealed)
-            continue;
         seam->waiting = 0;
-        seam->sealed = true;
+        bool changes = !seam->told;
         for (int64_t p = 0; p < seam->n; p++) {
+            double size = length_of(seam->gap[p]);
+            double left = 1 - (size > step ? fmin(part, step / size) : part);
+            for (int i = 0; i < 3; i++) {
+                double was = seam->target[p][i];
+                seam->target[p][i] = left * seam->gap[p][i];
+                changes |= seam->target[p][i] != was;
+            }
             seam->waiting += waits(s, k, p);
-            move(s, k, p, part);
-            seam->sealed &= seam->sewn[p];
         }
+        if (!changes)
+            continue; /* a target that is set wakes all cloths */
+        seam->told = true;
         int status = drape_seam_target(s->world, seam->index,
                                        (const double(*)[3])seam->target);
         if (status != DRAPE_OK)
@@ -282,7 +267,7 @@ static int move_targets(struct sewing *s)
 }
 
 /* Lets gravity come evenly. */
-static int weigh(struct sewing *s)
+static int raise_gravity(struct sewing *s)
 {
     double ramp = (double)RAMP * s->scene->steps_per_frame, g[3];
     double part = (double)(s->steps - s->begun[SEWING_WORN] + 1) / ramp;
@@ -303,12 +288,12 @@ static bool is_done(struct sewing *s)
         const struct sewing_seam *seam = &s->seam[k];
         if (seam->stage > s->stage)
             continue;
-        all &= seam->closed > 0;
+        all &= seam->most < near * s->scene->seam[k].cell;
         for (int64_t p = 0; p < seam->n; p++)
             left += length_of(seam->gap[p]) * s->scene->seam[k].length[p];
     }
     s->still++;
-    if (left < 0.999 * s->left) {
+    if (left < (1 - progress) * s->left) {
         s->left = left;
         s->still = 0;
     }
@@ -319,7 +304,7 @@ int sewing_step(struct sewing *sewing, drape_step_report *report)
 {
     int status = move_targets(sewing);
     if (status == APP_OK && sewing->stage == SEWING_WORN)
-        status = weigh(sewing);
+        status = raise_gravity(sewing);
     if (status != APP_OK)
         return status;
     int known = drape_step(sewing->world, report);
@@ -330,7 +315,7 @@ int sewing_step(struct sewing *sewing, drape_step_report *report)
     report->time = (double)sewing->steps * sewing->whole.dt;
     status = read_seams(sewing);
     if (status == APP_OK && sewing->stage < SEWING_WORN && is_done(sewing))
-        status = enter(sewing, next(sewing, sewing->stage + 1));
+        status = enter_stage(sewing, next_stage(sewing, sewing->stage + 1));
     return status;
 }
 

@@ -19,15 +19,13 @@ extern const char *const sewing_stages[SEWING_STAGES];
 struct sewing_seam {
     enum sewing_stage stage; /* in which its turn comes */
     int64_t n;
-    int index;      /* in the world; -1: its turn has not come */
-    bool sealed;    /* all points are, and the world knows: a target that is set
-                       would wake all cloths */
-    double spacing; /* m, mean length of the seam a point */
-    uint8_t *sewn;  /* [n] 1: its gap has been closed once */
+    int index;           /* in the world; -1: its turn has not come */
+    bool told;           /* the world has these targets */
+    double spacing;      /* m, mean length of the seam a point */
     double (*gap)[3];    /* [n] m, particle - place, after the last step */
     double (*pull)[3];   /* [n] N, on the particle, in the last step */
     double (*target)[3]; /* [n] m */
-    int waiting;         /* points whose target stood still in the last step */
+    int waiting;         /* points that pull as hard as they may */
     double most;         /* m, the largest gap */
     int worst;           /* the point that has it */
     double strongest;    /* N/m, the largest pull a length of the seam */

@@ -128,7 +128,7 @@ static int load(struct sew *sew, const char *file)
     }
     char *text = json_dumps(sew->root, JSON_REAL_PRECISION(17));
     if (!text)
-        return complain(APP_FAILED, "out of memory");
+        return no_memory();
     int status = scene_load_text(&sew->scene, text, strlen(text), file);
     free(text);
     if (status == APP_OK && !sew->scene.def.n_seams)
@@ -286,8 +286,7 @@ static int take_pictures(const struct sew *sew)
     int last = sew->sewn.frame[sew->sewn.count - 1].frame;
     last -= last % sew->output.every;
     uint8_t *rgb = malloc((size_t)shot.width * (size_t)shot.height * 3);
-    int status = rgb ? look_load(&pool, sew->out, &look)
-                     : complain(APP_FAILED, "out of memory");
+    int status = rgb ? look_load(&pool, sew->out, &look) : no_memory();
     if (status == APP_OK)
         status = model_load(&pool, sew->out, last, &look, &model);
     if (status == APP_OK && (!file_join(folder, sew->out, "pictures") ||

@@ -15,7 +15,7 @@ int sewn_add(struct sewn *sewn, struct sewing *sewing, int frame)
         struct sewn_frame *larger =
             realloc(sewn->frame, (size_t)room * sizeof *larger);
         if (!larger)
-            return complain(APP_FAILED, "out of memory");
+            return no_memory();
         sewn->frame = larger;
         sewn->room = room;
     }
@@ -128,7 +128,7 @@ static bool save(const struct sewing *s, int first, int last,
                         .x = s->x + v};
     mesh.tri = malloc(((size_t)mesh.nt + 1) * sizeof *mesh.tri);
     if (!mesh.tri) {
-        complain(APP_FAILED, "out of memory");
+        no_memory();
         return false;
     }
     for (int64_t k = 0; k < mesh.nt; k++)

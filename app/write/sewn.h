@@ -13,7 +13,7 @@ struct sewn_frame {
     double gap;          /* the largest of the seams whose turn has come, as a
                             part of a cell */
     int seam;            /* that has it; -1: none has begun */
-    int waiting;         /* points whose targets stood still */
+    int waiting;         /* points that pull as hard as they may */
     int open;            /* seams of these */
     int64_t pairs, sewn; /* intersecting: that can collide; sewn together */
 };

@@ -24,8 +24,9 @@ struct coulomb {
     real give;     /* 1/(kg m), ≥ 0: compliance of a contact over its gap */
     real reach;    /* m, ≥ 0: no thickness is larger */
     int renews;    /* 1: the multipliers become the impulses of the last call */
-    int64_t seams; /* 0 … n: the last so many contacts are points of seams,
-                      whose n is the target in m/s; seam.md §2 */
+    int64_t seams; /* 0 … n: the last `seams` contacts are points of seams, of
+                      which n is the target, m/s, tangent the pull, N·s, and
+                      load its bound, 0: none; seam.md §2 */
     int closes;    /* 1: N becomes the normal impulse of this call */
     int lists;     /* 1: the contacts are others than in the call before */
     struct contact *contact; /* [n] inout; carry.md has set them up */
