@@ -89,7 +89,8 @@ is 'nothing crosses in any frame' closed '
 len(sew["frames"]) == 121 and not any(f["pairs"] for f in sew["frames"])'
 is 'nothing is stretched' sh -c '! grep -q "is stretched" err'
 exits 'and goes on as a scene' 0 run shirt/sewn.json --frames 2 --out on
-is 'whose seams are closed from the start' sh -c '! grep -q "open" err'
+refused 'a garment that is not sewn' 'is not sewn yet: `drape sew` sews it' \
+    run worn.json --out refused
 # a plate between front and back, wider than both
 python3 - <<'EOT'
 import json
