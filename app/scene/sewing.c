@@ -14,7 +14,7 @@ const char *const sewing_stages[SEWING_STAGES] = {"darts", "seams", "worn"};
  * than cloth moves when it falls freely for 0.05 s. */
 static const double fastest = 0.5; /* m/s */
 /* The greatest pull of a seam while it is sewn, which strains light cotton by 3
- * %, and once it is worn. */
+ * %, and once it is worn, which is many times what a garment weighs. */
 static const double sewing_pull = 30, worn_pull = 300; /* N/m */
 /* What is called closed: this part of a cell; and what is near enough for the
  * next stage, in which seams pull harder. */
