@@ -110,20 +110,22 @@ static drape_world *make_world(int response)
 }
 
 /* The ball moves at 5 m/s and stops after 0.26 s. Where contacts are solved
- * with the cloth no step needs more than a few rounds, and none is cut or taken
+ * with the cloth a step needs a round in the mean, and none is cut or taken
  * again. */
 static const char *check_solve(void)
 {
     drape_world *world = make_world(DRAPE_SOLVE);
-    int64_t impacts = 0;
+    int64_t impacts = 0, total = 0;
     EXPECT(world);
     for (int step = 0; step < STEPS; step++) {
         drape_step_report r;
         EXPECT(drape_step(world, &r) == DRAPE_OK && r.outcome == 0);
-        EXPECT(r.rounds <= 6 && r.slices == 1 && r.work.tries == 1);
+        EXPECT(r.slices == 1 && r.work.tries == 1);
         impacts += r.impacts;
+        total += r.rounds;
         ran(1);
     }
+    EXPECT(total <= 2 * STEPS);
     EXPECT(impacts > 100 && scene_audit(world, 1) == 0);
     drape_destroy(world);
     return NULL;
