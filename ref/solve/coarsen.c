@@ -6,6 +6,8 @@
 
 #include "ref/solve/jacobi.h"
 
+#include <stdlib.h>
+
 /* §2: a coarse block is a sum of terms. A term is weight/16 times block o of
  * the fine particle that lies (di, dj) from the coarse particle. */
 struct term {
@@ -110,28 +112,25 @@ static int interpolation_weight(const struct coarsen *s, int32_t x, int32_t y,
     return weight_of(s->rule[x + (int64_t)s->m * y], x - 2 * ci, y - 2 * cj);
 }
 
-/* Adds the terms of spring o of fine particle (x, y) to the blocks of all pairs
- * of coarse particle (i, j). at: i, j, x, y. */
-static void add_spring(const struct coarsen *s, const int32_t at[4], int o,
-                       sym sum[STENCIL])
+/* Four times the weights of a coarse particle in the interpolation to the fine
+ * ones around coarse particle (i, j), by their place from it. */
+enum { WIDE = 5, BELOW = 3 };
+struct share {
+    int8_t of[2 * BELOW + 1][2 * WIDE + 1];
+};
+
+/* The share of the coarse particle (ci, cj) steps from (i, j). */
+static struct share share_of(const struct coarsen *s, int32_t i, int32_t j,
+                             int ci, int cj)
 {
-    int32_t i = at[0], j = at[1], x = at[2], y = at[3];
-    int32_t z = x + (s->n_live ? spring_di[o] : stencil_di[o]);
-    int32_t t = y + (s->n_live ? spring_dj[o] : stencil_dj[o]);
-    int64_t p = x + (int64_t)s->m * y;
-    if (x < 0 || x >= s->m || y < 0 || y >= s->n || z < 0 || z >= s->m ||
-        t >= s->n || (s->n_live && !(s->live[p] >> o & 1)))
-        return;
-    int a = interpolation_weight(s, x, y, i, j) -
-            interpolation_weight(s, z, t, i, j);
-    for (int k = 0; k < STENCIL && a != 0; k++) {
-        int32_t ci = i + stencil_di[k], cj = j + stencil_dj[k];
-        int b = interpolation_weight(s, x, y, ci, cj) -
-                interpolation_weight(s, z, t, ci, cj);
-        if (b != 0)
-            sum[k] = add_scaled(sum[k], (real)(-a * b) * R(0.0625),
-                                s->block[o * s->count + p]);
+    struct share w = {{{0}}};
+    for (int k = 0; k < 9; k++) {
+        int di = 2 * ci + k % 3 - 1, dj = 2 * cj + k / 3 - 1;
+        if (abs(di) <= WIDE && abs(dj) <= BELOW)
+            w.of[dj + BELOW][di + WIDE] = (int8_t)interpolation_weight(
+                s, 2 * i + di, 2 * j + dj, i + ci, j + cj);
     }
+    return w;
 }
 
 /* §2: adds the same terms in the same order near a cut, where the weights
@@ -139,10 +138,26 @@ static void add_spring(const struct coarsen *s, const int32_t at[4], int o,
 static void sum_near_cut(const struct coarsen *s, int32_t i, int32_t j,
                          sym sum[STENCIL])
 {
+    struct share own = share_of(s, i, j, 0, 0), other[STENCIL];
+    for (int k = 0; k < STENCIL; k++)
+        other[k] = share_of(s, i, j, stencil_di[k], stencil_dj[k]);
     for (int k = 0; k < AROUND * (int)(s->n_blocks / s->count); k++) {
-        int around = k % AROUND;
-        int32_t at[4] = {i, j, 2 * i + around % 7 - 3, 2 * j + around / 7 - 3};
-        add_spring(s, at, k / AROUND, sum);
+        int o = k / AROUND, di = k % AROUND % 7 - 3, dj = k % AROUND / 7 - 3;
+        int ei = di + (s->n_live ? spring_di[o] : stencil_di[o]);
+        int ej = dj + (s->n_live ? spring_dj[o] : stencil_dj[o]);
+        int32_t x = 2 * i + di, y = 2 * j + dj, z = 2 * i + ei, t = 2 * j + ej;
+        int64_t p = x + (int64_t)s->m * y;
+        int a = own.of[dj + BELOW][di + WIDE] - own.of[ej + BELOW][ei + WIDE];
+        if (a == 0 || x < 0 || x >= s->m || y < 0 || y >= s->n || z < 0 ||
+            z >= s->m || t >= s->n || (s->n_live && !(s->live[p] >> o & 1)))
+            continue;
+        for (int q = 0; q < STENCIL; q++) {
+            int b = other[q].of[dj + BELOW][di + WIDE] -
+                    other[q].of[ej + BELOW][ei + WIDE];
+            if (b != 0)
+                sum[q] = add_scaled(sum[q], (real)(-a * b) * R(0.0625),
+                                    s->block[o * s->count + p]);
+        }
     }
 }
 
