@@ -17,6 +17,53 @@ static void put_chords(struct outline *o, int edge, int count)
     }
 }
 
+/* How many of the longest chords are moved, where an edge is closed up. */
+enum { PULLED = 4 };
+
+static double cross(const double a[2], const double b[2])
+{
+    return a[0] * b[1] - a[1] * b[0];
+}
+
+/* Moves an end of an edge to a place, and chords near it by less and less, and
+ * notes by how much that changes the area. side: 1 at its beginning, -1 at its
+ * end, where the polygon has the next edge's beginning. */
+static void pull_end(struct outline *o, int edge, int side, const double to[2],
+                     double reach)
+{
+    const struct curve *curve = &o->edge[edge];
+    const double *end = side > 0 ? curve->a : curve->b;
+    int last = edge + 1 < o->edges ? o->first[edge + 1] : o->n;
+    int k = side > 0 ? o->first[edge] : last, left = last - o->first[edge];
+    double by[2] = {to[0] - end[0], to[1] - end[1]}, gone = 0;
+    double old[2] = {end[0], end[1]}, new[2] = {to[0], to[1]};
+    while (left-- > 0 && gone < reach) {
+        double *x = o->x[k += side], at[2] = {x[0], x[1]};
+        gone += plane_length(at[0] - old[0], at[1] - old[1]);
+        double part = left > 0 ? fmax(1 - gone / reach, 0) : 0;
+        for (int i = 0; i < 2; i++)
+            x[i] += part * by[i];
+        o->area += side * (cross(new, x) - cross(old, at)) / 2;
+        memcpy(old, at, sizeof old);
+        memcpy(new, x, sizeof new);
+    }
+}
+
+/* Closes the polygon where edges are closed up. */
+static void pull_ends(struct outline *o, double reach)
+{
+    for (int k = 0; k < o->edges; k++) {
+        int before = (k + o->edges - 1) % o->edges;
+        const double *a = o->edge[before].b, *b = o->edge[k].a;
+        double middle[2] = {(a[0] + b[0]) / 2, (a[1] + b[1]) / 2};
+        if (a[0] == b[0] && a[1] == b[1])
+            continue;
+        pull_end(o, before, -1, middle, reach);
+        pull_end(o, k, 1, middle, reach);
+        memcpy(o->x[o->first[k]], middle, sizeof middle);
+    }
+}
+
 /* Closes the polygon; lengths and the box. */
 static void finish(struct outline *o)
 {
@@ -64,6 +111,7 @@ bool outline_make(struct outline *outline, const struct curve *edge, int edges,
     o->first[edges] = (int32_t)count;
     for (int k = 0; k < edges; k++)
         put_chords(o, k, o->first[k + 1] - o->first[k]);
+    pull_ends(o, PULLED * longest);
     finish(o);
     return true;
 }

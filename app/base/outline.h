@@ -23,7 +23,9 @@ struct outline {
 };
 
 /* Makes the chords, each within `error` of its curve and at most `longest`.
- * false: no memory. outline_free gives back what it holds. */
+ * Where an edge does not begin where the one before ends, as an edge between
+ * them is closed up, both are drawn to the middle, by less and less over PULLED
+ * times `longest`. false: no memory. outline_free gives back what it holds. */
 bool outline_make(struct outline *outline, const struct curve *edge, int edges,
                   double error, double longest);
 void outline_free(struct outline *outline);

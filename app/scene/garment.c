@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* A strap of fewer cells is told of. */
 enum { FEW = 3 };
@@ -15,7 +16,7 @@ static const double chord_error = 1e-3;
 /* The file's number of the edge at this place of the loop. */
 static int number(const struct garment_panel *p, int place)
 {
-    return p->panel->loop[place].edge;
+    return p->number[place];
 }
 
 static int refuse_crossing(const struct garment *g,
@@ -116,7 +117,7 @@ static int refuse_cut(const struct garment *g, const struct garment_panel *p,
 bool garment_ends(const struct garment_panel *panel, int place, int32_t end[2])
 {
     end[0] = panel->cut.corner[place];
-    end[1] = panel->cut.corner[(place + 1) % panel->panel->edges];
+    end[1] = panel->cut.corner[(place + 1) % panel->edges];
     return end[0] != end[1];
 }
 
@@ -125,10 +126,10 @@ bool garment_ends(const struct garment_panel *panel, int place, int32_t end[2])
 static void tell_lost(const struct garment *g, const struct garment_panel *p)
 {
     const char *file = g->pattern->file, *name = p->panel->name;
-    for (int k = 0; k < p->panel->edges; k++) {
+    for (int k = 0; k < p->edges; k++) {
         int32_t end[2];
         int edge = number(p, k), stitch = p->panel->edge[edge].stitch;
-        double length = 1e3 * curve_length(&p->panel->outline[k]);
+        double length = 1e3 * curve_length(&p->curve[k]);
         if (!garment_ends(p, k, end) && stitch >= 0)
             complain(APP_OK,
                      "%s: panel %s: edge %d, %.2g mm long, is too short for "
@@ -143,18 +144,88 @@ static void tell_lost(const struct garment *g, const struct garment_panel *p)
             complain(APP_OK,
                      "%s: panel %s: no cell reaches the corner where edge %d "
                      "meets edge %d",
-                     file, name,
-                     number(p, (k + p->panel->edges - 1) % p->panel->edges),
+                     file, name, number(p, (k + p->edges - 1) % p->edges),
                      edge);
     }
+}
+
+static bool lay_panel(struct garment *g, struct garment_panel *p)
+{
+    size_t edges = (size_t)p->panel->edges;
+    p->edges = p->panel->edges;
+    p->curve = pool_take(&g->pool, edges, sizeof *p->curve);
+    p->number = pool_take(&g->pool, edges, sizeof *p->number);
+    if (!p->curve || !p->number)
+        return false;
+    memcpy(p->curve, p->panel->outline, edges * sizeof *p->curve);
+    for (int k = 0; k < p->edges; k++)
+        p->number[k] = p->panel->loop[k].edge;
+    return true;
+}
+
+/* Whether an edge can be closed up: three are left, and none beside it is as
+ * short, whose middle would be another place. */
+static bool may_close(const struct garment_panel *p, int place, double h)
+{
+    int before = (place + p->edges - 1) % p->edges;
+    int after = (place + 1) % p->edges;
+    return p->edges > 3 && curve_length(&p->curve[before]) >= h &&
+           curve_length(&p->curve[after]) >= h;
+}
+
+/* Takes an edge out of the outline, whose chords then close the gap. */
+static void close_edge(struct garment_panel *p, int place)
+{
+    size_t left = (size_t)(p->edges - place - 1);
+    memmove(p->curve + place, p->curve + place + 1, left * sizeof *p->curve);
+    memmove(p->number + place, p->number + place + 1, left * sizeof *p->number);
+    p->edges--;
+}
+
+static void close_stitch(struct garment *g, int k)
+{
+    const struct pattern_stitch *stitch = &g->pattern->stitch[k];
+    struct garment_panel *p[2];
+    double length[2];
+    int place[2];
+    bool may = stitch->side[0].panel != stitch->side[1].panel;
+    garment_lengths(g->pattern, stitch, length);
+    for (int s = 0; s < 2; s++) {
+        p[s] = &g->panel[stitch->side[s].panel];
+        place[s] = garment_find_edge(p[s], stitch->side[s].edge);
+        may = may && length[s] < g->h && may_close(p[s], place[s], g->h);
+    }
+    if (!may)
+        return;
+    close_edge(p[0], place[0]);
+    close_edge(p[1], place[1]);
+    complain(APP_OK,
+             "%s: stitch %d, of edge %d of panel %s, %.2g mm long, is shorter "
+             "than a cell, and is closed up",
+             g->pattern->file, k, stitch->side[0].edge, p[0]->panel->name,
+             1e3 * length[0]);
+}
+
+/* Lays the outlines of all panels. A stitch whose sides are both shorter than a
+ * cell is closed up: app/patterns/README.md §2. */
+static int lay_outlines(struct garment *garment)
+{
+    for (int k = 0; k < garment->pattern->panels; k++) {
+        garment->panel[k].panel = &garment->pattern->panel[k];
+        if (!lay_panel(garment, &garment->panel[k]))
+            return no_memory();
+    }
+    for (int k = 0; k < garment->pattern->stitches; k++)
+        close_stitch(garment, k);
+    return APP_OK;
 }
 
 static int cut_panel(const struct garment *g, struct garment_panel *p)
 {
     struct outline_pair pair;
     double x[2] = {0, 0};
-    if (!outline_make(&p->outline, p->panel->outline, p->panel->edges,
-                      chord_error * g->h, g->h))
+    if (!outline_make(&p->outline, p->curve, p->edges, chord_error * g->h,
+                      g->h))
         return no_memory();
     enum outline_answer crosses = outline_crosses(&p->outline, &pair);
     if (crosses == OUTLINE_MEMORY)
@@ -175,11 +246,9 @@ int garment_cut(struct garment *garment, const struct pattern *pattern,
     garment->panel = calloc((size_t)pattern->panels, sizeof *garment->panel);
     if (!garment->panel)
         return no_memory();
-    int status = APP_OK;
-    for (int k = 0; k < pattern->panels && status == APP_OK; k++) {
-        garment->panel[k].panel = &pattern->panel[k];
+    int status = lay_outlines(garment);
+    for (int k = 0; k < pattern->panels && status == APP_OK; k++)
         status = cut_panel(garment, &garment->panel[k]);
-    }
     /* a refusal stands alone */
     for (int k = 0; k < pattern->panels && status == APP_OK; k++) {
         tell_width(garment, &garment->panel[k]);
@@ -196,12 +265,15 @@ void garment_free(struct garment *garment)
     }
     free(garment->panel);
     garment->panel = NULL;
+    pool_free(&garment->pool);
 }
 
 void garment_count(const struct garment_panel *panel, int *count)
 {
     const struct cut *cut = &panel->cut;
-    for (int k = 0; k < panel->panel->edges; k++) {
+    for (int k = 0; k < panel->panel->edges; k++)
+        count[k] = 0;
+    for (int k = 0; k < panel->edges; k++) {
         int32_t end[2];
         bool there = garment_ends(panel, k, end);
         count[number(panel, k)] = (there && cut->kind[end[0]] == CUT_CORNER) +
@@ -222,17 +294,20 @@ void garment_lengths(const struct pattern *pattern,
     }
 }
 
-int garment_find_edge(const struct pattern_panel *panel, int edge)
+int garment_find_edge(const struct garment_panel *panel, int edge)
 {
-    int place = 0;
-    while (panel->loop[place].edge != edge)
-        place++;
+    int place = panel->edges - 1;
+    while (place >= 0 && panel->number[place] != edge)
+        place--;
     return place;
 }
 
 bool garment_is_clockwise(const struct pattern_panel *panel)
 {
-    return panel->loop[garment_find_edge(panel, 0)].back;
+    int place = 0;
+    while (panel->loop[place].edge != 0)
+        place++;
+    return panel->loop[place].back;
 }
 
 int garment_seam(const struct garment *garment,
@@ -243,8 +318,8 @@ int garment_seam(const struct garment *garment,
     for (int k = 0; k < 2; k++) {
         const struct garment_panel *p = &garment->panel[stitch->side[k].panel];
         int32_t end[2];
-        int place = garment_find_edge(p->panel, stitch->side[k].edge);
-        if (!garment_ends(p, place, end))
+        int place = garment_find_edge(p, stitch->side[k].edge);
+        if (place < 0 || !garment_ends(p, place, end))
             return APP_OK;
         side[k] = (struct cut_side){&p->cut, &p->outline, place, false};
     }

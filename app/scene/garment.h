@@ -8,6 +8,9 @@
 
 struct garment_panel {
     const struct pattern_panel *panel;
+    int edges;           /* of the outline, without those that are closed up */
+    struct curve *curve; /* [edges] counter-clockwise */
+    int *number;         /* [edges] the file's */
     struct outline outline;
     struct cut cut;
     struct outline_pair strap, gap; /* the narrowest; width INFINITY: none */
@@ -20,6 +23,7 @@ struct garment_panel {
 
 struct garment {
     const struct pattern *pattern;
+    struct pool pool;            /* of curves and numbers */
     double h;                    /* m, side of a cell */
     struct garment_panel *panel; /* [pattern->panels] */
 };
@@ -31,8 +35,8 @@ int garment_cut(struct garment *garment, const struct pattern *pattern,
                 double h);
 void garment_free(struct garment *garment);
 
-/* The edge of a panel by its place in the panel's loop, and the particles at
- * its two ends; false where they are one, so that it has no length. */
+/* The edge of a panel by its place in the outline, and the particles at its two
+ * ends; false where they are one, so that it has no length. */
 bool garment_ends(const struct garment_panel *panel, int place, int32_t end[2]);
 /* The number of border particles on each edge of a panel, its ends among
  * them. count: [edges] in the file's order */
@@ -52,8 +56,8 @@ bool garment_is_dart(const struct pattern *pattern,
 double garment_gap(const struct garment *garment,
                    const struct pattern_stitch *stitch,
                    const struct cut_seam *seam);
-/* The place in a panel's loop of an edge by its number. */
-int garment_find_edge(const struct pattern_panel *panel, int edge);
+/* The place in a panel's outline of an edge by its number; -1: closed up. */
+int garment_find_edge(const struct garment_panel *panel, int edge);
 /* Whether the file goes round a panel clockwise, as its edge 0 does: then its
  * right side is at -z. */
 bool garment_is_clockwise(const struct pattern_panel *panel);

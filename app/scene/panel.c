@@ -52,17 +52,16 @@ static int find_panel(struct json *json, const struct pattern *pattern,
 static void find_edges(const struct garment_panel *p, struct cloth_panel *to)
 {
     const struct cut *cut = &p->cut;
-    int edges = p->panel->edges;
     for (int64_t k = 0; k < (int64_t)cut->m * cut->n; k++) {
         int on = cut->kind[k] == CUT_BORDER && cut->chord[k] >= 0
-                     ? p->panel->loop[p->outline.of[cut->chord[k]]].edge
+                     ? p->number[p->outline.of[cut->chord[k]]]
                      : -1;
         to->edge[k][0] = to->edge[k][1] = on;
     }
-    for (int k = 0; k < edges; k++) {
+    for (int k = 0; k < p->edges; k++) {
         int32_t *at = to->edge[cut->corner[k]];
-        at[0] = p->panel->loop[k].edge;
-        at[1] = p->panel->loop[(k + edges - 1) % edges].edge;
+        at[0] = p->number[k];
+        at[1] = p->number[(k + p->edges - 1) % p->edges];
     }
 }
 

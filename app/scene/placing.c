@@ -74,8 +74,8 @@ void garment_stand(const struct garment_panel *panel, const double x[2],
 static bool find_axis(const struct garment_panel *p, int a, int b,
                       struct garment_roll *roll)
 {
-    const struct curve *one = &p->panel->outline[a];
-    const struct curve *two = &p->panel->outline[b];
+    const struct curve *one = &p->curve[a];
+    const struct curve *two = &p->curve[b];
     double l = plane_length(one->b[0] - one->a[0], one->b[1] - one->a[1]);
     double m = plane_length(two->b[0] - two->a[0], two->b[1] - two->a[1]);
     if (!(l > 0 && m > 0))
@@ -100,10 +100,11 @@ void garment_roll_up(struct garment *garment)
         struct garment_panel *p = &garment->panel[stitch->side[0].panel];
         const struct outline *o = &p->outline;
         struct garment_roll roll = {0};
-        int a = garment_find_edge(p->panel, stitch->side[0].edge);
-        int b = garment_find_edge(p->panel, stitch->side[1].edge);
-        if (stitch->side[0].panel != stitch->side[1].panel || stitch->turned ||
-            garment_is_dart(pattern, stitch) || !find_axis(p, a, b, &roll))
+        int a = garment_find_edge(p, stitch->side[0].edge);
+        int b = garment_find_edge(p, stitch->side[1].edge);
+        if (stitch->side[0].panel != stitch->side[1].panel || a < 0 || b < 0 ||
+            stitch->turned || garment_is_dart(pattern, stitch) ||
+            !find_axis(p, a, b, &roll))
             continue;
         double half = 0;
         for (int i = 0; i < o->n; i++) {

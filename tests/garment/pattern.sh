@@ -26,6 +26,28 @@ assert "left_sleeve" in texts and texts.count("4") == 2'
 is 'the panels are meshes' sh -c '"$0" audit tee/*.ply >audit.out; test $? -le 1' "$drape"
 exits 'a pattern to a folder that cannot be' 3 pattern tee.json --out tee.json/x
 
+# Two squares with a corner cut by 6 mm, sewn there and beside it.
+python3 - <<'EOT'
+import json
+import math
+cut = 0.6 / math.sqrt(2)
+ring = [[0, 0], [30, 0], [30, 30 - cut], [30 - cut, 30], [0, 30]]
+edges = [{"endpoints": [k, (k + 1) % 5]} for k in range(5)]
+panels = {"a": {"vertices": ring, "edges": edges},
+          "b": {"vertices": [[60 - x, y] for x, y in ring], "edges": edges}}
+stitches = [[{"panel": p, "edge": k} for p in "ab"] for k in (1, 2)]
+json.dump({"pattern": {"panels": panels, "stitches": stitches},
+           "properties": {"units_in_meter": 100}}, open("cut.json", "w"))
+EOT
+exits 'a stitch shorter than a cell' 0 pattern cut.json --out cut --cell 0.01
+is 'is closed up' grep -q 'stitch 1, of edge 2 of panel a, 6 mm long' err
+is 'and the outline goes through its middle' python3 -c '
+from geometry import load
+corner = max(load("cut/00_a.ply")[0], key=lambda p: p[0] + p[1])
+assert all(abs(x - 0.3 + 0.003 / 2**0.5) < 1e-6 for x in corner[:2]), corner'
+exits 'by cells that are shorter' 0 pattern cut.json --cell 0.005
+is 'it is a seam' test "$(grep -c 'closed up' err)" -eq 0
+
 # panel PYTHON: a scene of the front panel, after a change of it, to panel.json.
 panel() {
     python3 - "$1" >panel.json <<'EOT'
