@@ -18,7 +18,14 @@ static const double fastest = 0.5; /* m/s */
 static const double sewing_pull = 30, worn_pull = 300; /* N/m */
 /* What is called closed: this part of a cell; and what is near enough for the
  * next stage, in which seams pull harder. */
-static const double closed = 0.05, near = 0.5;
+static const double closed = 0.01, near = 0.5;
+/* Times the scene's tolerance: while sewn, as what one step leaves of a gap the
+ * next one takes up; and once worn, as a tolerance is relative to what presses.
+ * Cloth that is caught in an armpit is pressed by many times its weight, and
+ * gaps beside it are to be below `closed`. */
+static const double rough = 10, fine = 0.1;
+/* At rest: no particle goes further, m, in this time, s. */
+static const double rest_way = 1e-3, rest_time = 1;
 /* A stage ends, too, if what is open becomes less by no more than this part in
  * this time, s. */
 static const double progress = 0.05, patience = 0.5;
@@ -72,6 +79,7 @@ static int inspect_scene(struct sewing *s)
     s->nc = drape_first_vertex(s->world, cloths);
     size_t nv = (size_t)s->nv, nt = (size_t)s->nt;
     s->x = pool_take(&s->pool, nv + 1, sizeof *s->x);
+    s->anchor = pool_take(&s->pool, nv + 1, sizeof *s->anchor);
     s->v = pool_take(&s->pool, nv + 1, sizeof *s->v);
     s->tri = pool_take(&s->pool, nt + 1, sizeof *s->tri);
     s->group = pool_take(&s->pool, nt + 1, sizeof *s->group);
@@ -79,8 +87,8 @@ static int inspect_scene(struct sewing *s)
     s->obstacle =
         pool_take(&s->pool, (size_t)obstacles + 1, sizeof *s->obstacle);
     s->turn = pool_take(&s->pool, (size_t)def->n_seams + 1, sizeof *s->turn);
-    if (!s->x || !s->v || !s->tri || !s->group || !s->cloth || !s->obstacle ||
-        !s->turn)
+    if (!s->x || !s->anchor || !s->v || !s->tri || !s->group || !s->cloth ||
+        !s->obstacle || !s->turn)
         return no_memory();
     int known = drape_read_triangles(s->world, s->tri);
     for (int64_t k = 0; k < s->nt; k++)
@@ -127,6 +135,7 @@ static void define_stage(struct sewing *s, enum sewing_stage stage)
             (worn ? worn_pull : sewing_pull) * s->seam[k].spacing;
     }
     memset(def->gravity, 0, sizeof def->gravity);
+    def->tolerance = fmin(1, def->tolerance * (worn ? fine : rough));
     if (!worn)
         def->sleep = 0;
 }
@@ -170,6 +179,7 @@ static int enter_stage(struct sewing *s, enum sewing_stage stage)
     s->begun[stage] = s->steps;
     s->still = 0;
     s->left = INFINITY;
+    s->anchored = -1;
     define_stage(s, stage);
     status = scene_create(s->scene, s->overrides, &s->world);
     return status == APP_OK ? read_seams(s) : status;
@@ -300,6 +310,30 @@ static bool is_done(struct sewing *s)
     return all || (double)s->still * s->whole.dt > patience;
 }
 
+/* Whether the garments have come to rest: from an anchor that is a while old,
+ * which is set anew where a particle goes too far from it. */
+static int find_rest(struct sewing *s)
+{
+    double most = 0, ramp = (double)RAMP * s->scene->steps_per_frame;
+    if ((double)(s->steps - s->begun[SEWING_WORN]) < ramp)
+        return APP_OK;
+    int status = drape_read(s->world, s->x, NULL);
+    if (status != DRAPE_OK)
+        return failed("the state", status);
+    for (int64_t k = 0; k < s->nc; k++) {
+        double way[3];
+        for (int i = 0; i < 3; i++)
+            way[i] = s->x[k][i] - s->anchor[k][i];
+        most = fmax(most, length_of(way));
+    }
+    if (s->anchored < 0 || most > rest_way) {
+        memcpy(s->anchor, s->x, (size_t)s->nc * sizeof *s->x);
+        s->anchored = s->steps;
+    }
+    s->rest = (double)(s->steps - s->anchored) * s->whole.dt > rest_time;
+    return APP_OK;
+}
+
 int sewing_step(struct sewing *sewing, drape_step_report *report)
 {
     int status = move_targets(sewing);
@@ -315,7 +349,9 @@ int sewing_step(struct sewing *sewing, drape_step_report *report)
     report->time = (double)sewing->steps * sewing->whole.dt;
     status = read_seams(sewing);
     if (status == APP_OK && sewing->stage < SEWING_WORN && is_done(sewing))
-        status = enter_stage(sewing, next_stage(sewing, sewing->stage + 1));
+        return enter_stage(sewing, next_stage(sewing, sewing->stage + 1));
+    if (status == APP_OK && sewing->stage == SEWING_WORN)
+        status = find_rest(sewing);
     return status;
 }
 

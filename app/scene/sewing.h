@@ -44,6 +44,9 @@ struct sewing {
     double left;                  /* least of what was to close */
     int64_t nv, nc, nt;           /* vertices, of cloth, triangles */
     double (*x)[3], (*v)[3];      /* [nv] */
+    double (*anchor)[3];          /* [nv] m, where cloths were at ... */
+    int64_t anchored;             /* ... this step; -1: none */
+    bool rest;                    /* worn, and no particle moves any more */
     int32_t (*tri)[3], *group;    /* [nt] for audits */
     drape_cloth *cloth;           /* of the stage */
     drape_obstacle *obstacle;
@@ -63,7 +66,7 @@ int sewing_step(struct sewing *sewing, drape_step_report *report);
 /* Counts the intersecting pairs of triangles that can collide, and those that
  * are sewn together. Returns app_exit. */
 int sewing_audit(struct sewing *sewing, int64_t *pairs, int64_t *sewn);
-/* Whether a seam is closed to 5 % of a cell. */
+/* Whether a seam is closed to 1 % of a cell. */
 bool sewing_is_closed(const struct sewing *sewing, int seam);
 void sewing_end(struct sewing *sewing);
 

@@ -24,7 +24,6 @@ struct sew {
     const char *body, *fabric, *cell, *directory;
     char out[FILE_PATH];
     int frames, obj, force, no_picture;
-    bool rest;
 };
 
 /* Replaces a file's name, if it is one in this folder, by its whole path. */
@@ -193,7 +192,6 @@ static int step(struct sew *sew)
     struct sewing *s = &sew->sewing;
     drape_step_report report;
     double began = seconds_now();
-    enum sewing_stage stage = s->stage;
     int status = sewing_step(s, &report);
     sew->report.seconds += seconds_now() - began;
     if (status != APP_OK)
@@ -205,7 +203,6 @@ static int step(struct sew *sew)
                         "step %lld: diverged; the state before it is kept",
                         (long long)s->steps);
     show(sew);
-    sew->rest = stage == SEWING_WORN && report.asleep == s->whole.n_cloths;
     int64_t each = sew->scene.steps_per_frame;
     if (s->steps % each == 0)
         status = put_frame(sew, (int)(s->steps / each));
@@ -237,7 +234,7 @@ static int tell(const struct sew *sew, const struct totals *t, const char *end)
                  (long long)t->unconverged);
     stretch_tell(sew->output.stretch, sew->output.cloth_part,
                  sew->output.cloths);
-    if (!sew->rest)
+    if (!s->rest)
         complain(0, "note: it has not come to rest");
     if (t->not_clean)
         complain(APP_FINDINGS, "%lld of %lld steps are not clean",
@@ -313,7 +310,7 @@ static int finish(struct sew *sew, int code)
     report_sum(&sew->report, &totals);
     const char *end = code == APP_INTERRUPTED ? "interrupted"
                       : code == APP_FINDINGS  ? "diverged"
-                      : sew->rest             ? "at rest"
+                      : s->rest               ? "at rest"
                                               : "complete";
     int64_t frame = totals.done / sew->scene.steps_per_frame;
     int status = output_cache(&sew->output, (int)frame);
@@ -334,7 +331,7 @@ static int simulate(struct sew *sew)
     progress_catch_stop();
     int code = put_frame(sew, 0);
     progress_begin(&sew->progress, 0, total);
-    while (code == APP_OK && sew->sewing.steps < total && !sew->rest)
+    while (code == APP_OK && sew->sewing.steps < total && !sew->sewing.rest)
         code = progress_stopped() ? APP_INTERRUPTED : step(sew);
     progress_end(&sew->progress);
     return code == APP_FAILED ? code : finish(sew, code);
