@@ -84,7 +84,8 @@ static __device__ bool find_normal(const struct proximity *s, int kind,
 /* The distance within which a pair of these vertices is a contact. */
 static __device__ real reach_of(const struct proximity *s, const int32_t v[4])
 {
-    return s->range * surface_of(&s->surfaces, v).thickness;
+    return (s->n_from ? R(1.0) : s->range) *
+           surface_of(&s->surfaces, v).thickness;
 }
 
 /* §6: whether candidate k must be measured: it is not surely far. Bad input is
@@ -137,12 +138,16 @@ static __device__ double start_gap(const struct proximity *s,
     return dot(n, p);
 }
 
-/* §3.5: whether the pair comes nearer, from the side on which it ends. */
+/* §3.5: whether the pair comes nearer, from the side on which it ends, by more
+ * than what the range leaves to the pairs that are contacts already. */
 static __device__ bool arrives(const struct proximity *s, const int32_t v[4],
                                struct wide n, const struct closest *r)
 {
+    if (!s->n_from)
+        return true;
     double gap = start_gap(s, v, n, r);
-    return !s->n_from || (gap >= 0 && gap > dot(n, r->p));
+    real spare = (s->range - 1) * surface_of(&s->surfaces, v).thickness;
+    return gap >= 0 && gap - dot(n, r->p) > (double)spare;
 }
 
 static __device__ bool is_close(const struct proximity *s, int64_t k)

@@ -416,7 +416,7 @@ static void set_aside_seams(struct loop *s, bool back)
 }
 
 /* §2: within which distance on the way pairs are looked for: 0 if no vertex
- * moves so far that one may arrive that was no contact at x0. */
+ * moves so far that a pair may arrive, roundings included. */
 static real find_reach(struct loop *s)
 {
     struct world *w = s->w;
@@ -424,7 +424,7 @@ static real find_reach(struct loop *s)
     real most = loop_continues(s)
                     ? w->run->prescribed_furthest(w->on, w->nv, w->x0, w->x1)
                     : 0;
-    return 4 * most > spare * spare ? w->reach : 0;
+    return R(4.01) * most > spare * spare ? w->reach : 0;
 }
 
 /* Whether pairs touch on the way to the iterate, or arrive there; they become

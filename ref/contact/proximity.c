@@ -122,23 +122,37 @@ static double start_gap(const struct proximity *s, int64_t k, struct wide n,
     return wide_dot(n, p);
 }
 
-/* §3.5: whether the pair comes nearer, from the side on which it ends. */
+static real thickness_of(const struct proximity *s, int64_t k)
+{
+    return surfaces_pair(&s->surfaces, s->pair + 4 * k).thickness;
+}
+
+/* §3.5: whether the pair comes nearer, from the side on which it ends, by more
+ * than what the range leaves to the pairs that are contacts already. */
 static bool arrives(const struct proximity *s, int64_t k, struct wide n,
                     const struct closest *r)
 {
+    if (!s->n_from)
+        return true;
     double gap = start_gap(s, k, n, r);
-    return !s->n_from || (gap >= 0 && gap > wide_dot(n, r->p));
+    real spare = (s->range - 1) * thickness_of(s, k);
+    return gap >= 0 && gap - wide_dot(n, r->p) > (double)spare;
+}
+
+/* The distance within which the pair is a contact. */
+static real reach_of(const struct proximity *s, int64_t k)
+{
+    return (s->n_from ? 1 : s->range) * thickness_of(s, k);
 }
 
 static bool is_close(const struct proximity *s, int64_t k)
 {
     struct wide x[4], n;
     struct closest r;
-    real reach =
-        s->range * surfaces_pair(&s->surfaces, s->pair + 4 * k).thickness;
     measure_pair(s, k, x, &r);
-    return sqrt(r.length2) < (double)reach && stands_for_points(s, k, x, &r) &&
-           find_normal(s, k, x, &r, &n) && arrives(s, k, n, &r);
+    return sqrt(r.length2) < (double)reach_of(s, k) &&
+           stands_for_points(s, k, x, &r) && find_normal(s, k, x, &r, &n) &&
+           arrives(s, k, n, &r);
 }
 
 /* §4: the target velocity, which the overlap and the repulsion spring give. */

@@ -13,14 +13,14 @@ struct proximity {
     const vec *x;               /* [nv] m */
     int64_t n_from;             /* nv, or 0 */
     const vec *from;            /* [n_from] m, at the start of the slice: only
-                                   pairs that come nearer are contacts, §3.5 */
+                                   pairs that arrive are contacts, §3.5 */
     const real *w;              /* [nv] 1/kg, 0: prescribed */
     struct surfaces surfaces;   /* of the vertices */
     struct one_rings one_rings; /* the triangles around each vertex */
     real dt;                    /* s, > 0 */
     real stiffness;             /* N/m, ≥ 0, of the repulsion spring, §4 */
-    real range; /* > 0: pairs nearer than so many times their thickness
-                   are contacts */
+    real range; /* > 0: pairs nearer than so many times their thickness are
+                   contacts; of those that arrive, what was a contact already */
 
     int32_t *at;             /* scratch: [n] */
     int64_t cap;             /* capacity of contact, items */

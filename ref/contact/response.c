@@ -272,7 +272,6 @@ static int find_arrivals(struct response *s, const struct pairs *all)
     struct proximity p = proximity_of(s, all, s->x1);
     p.n_from = s->nv;
     p.from = s->x0;
-    p.range = 1;
     int status = find_contacts(s, &p, &s->contact[side], s->active);
     if (status != DRAPE_OK || !p.found)
         return status;

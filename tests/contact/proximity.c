@@ -482,8 +482,19 @@ static void start_of(const struct proximity *s, int64_t k, struct wide from[4])
         from[j] = wide_of(s->from[s->pair[4 * k + j]]);
 }
 
+static real thickness_of(const struct proximity *s, int64_t k)
+{
+    return surfaces_pair(&s->surfaces, s->pair + 4 * k).thickness;
+}
+
+/* §3.5: by how much a pair that arrives comes nearer, at least. */
+static double spare_of(const struct proximity *s, int64_t k)
+{
+    return (double)((s->range - 1) * thickness_of(s, k));
+}
+
 /* §3.5: whether a pair whose normal is along p surely comes nearer, from the
- * side on which it ends. */
+ * side on which it ends, and far enough. */
 static bool surely_arrives(const struct proximity *s, int64_t k,
                            const struct wide x[4])
 {
@@ -496,7 +507,7 @@ static bool surely_arrives(const struct proximity *s, int64_t k,
     if (!(d > 0x1p-39 * size_of(x)))
         return false; /* §3.1: n need not be along p */
     double gap = wide_dot(p, r.p) / d;
-    return gap > room + lost && gap > d + room + lost;
+    return gap > room + lost && gap - d > spare_of(s, k) + room + lost;
 }
 
 /* n·Σ c x. */
@@ -508,7 +519,7 @@ static double end_gap(const struct contact *c, const struct wide x[4])
     return gap;
 }
 
-/* §3.5: the gap of a contact is that of the start, and it was larger. */
+/* §3.5: the gap of a contact is that of the start, and larger by enough. */
 static const char *check_arrival(const struct proximity *s, int64_t k,
                                  const struct contact *c,
                                  const struct wide x[4])
@@ -518,7 +529,7 @@ static const char *check_arrival(const struct proximity *s, int64_t k,
     double gap = end_gap(c, from), end = end_gap(c, x);
     double room = 0x1p-19 * (size_of(x) + size_of(from)) + lost;
     EXPECT(c->gap >= 0 && fabs(gap - (double)c->gap) <= room);
-    EXPECT(end <= gap + room);
+    EXPECT(gap - end >= spare_of(s, k) - room);
     return NULL;
 }
 
@@ -530,8 +541,7 @@ const char *prop_proximity(const struct proximity *s)
         struct wide x[4];
         for (int j = 0; j < 4; j++)
             x[j] = wide_of(s->x[v[j]]);
-        double r =
-            (double)(s->range * surfaces_pair(&s->surfaces, v).thickness);
+        double r = (double)((s->n_from ? 1 : s->range) * thickness_of(s, k));
         const struct contact *c = &s->contact[at];
         bool kept = at < s->found && !memcmp(c->v, v, sizeof c->v) &&
                     c->kind == s->kind[k];

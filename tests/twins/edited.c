@@ -12,9 +12,9 @@ enum { EDIT = 12, END = 24, CASES = 10 };
 /* A sheet with holes and cuts, prescribed by a corner, that slides on a slab.
  * The other world has two bodies before these: a cloth of which all particles
  * are pinned, so light that it has no part in the balance of a solve
- * (lagrange.md §3.4), and a slab with frames that moves by 16 µm in a step:
- * pairs that arrive are looked for where anything moves by an eighth of a
- * thickness (lagrange.md §2), be it far away. */
+ * (lagrange.md §3.4), and a slab with frames that moves by some thicknesses in
+ * a step: what arrives there, or may, is nothing to the sheet (lagrange.md §2).
+ */
 struct scene {
     struct slab d;
     drape_cloth cloth[2];
@@ -71,9 +71,8 @@ static void make_others(struct scene *s)
     s->obstacle[1].motion = -1;
     s->obstacle[1].friction = 0.4;
     for (int k = 0; k < 2 * 3 * BOX; k++)
-        s->frame[0][k / 3][k % 3] =
-            s->d.obstacle.x[k / 3 % BOX][k % 3] +
-            (k % 3 == 2 ? 16 + k / (3 * BOX) * 0x1p-10 : 0);
+        s->frame[0][k / 3][k % 3] = s->d.obstacle.x[k / 3 % BOX][k % 3] +
+                                    (k % 3 == 2 ? 16 + k / (3 * BOX) : 0);
     s->obstacle[0].x = (const double(*)[3])s->frame;
     s->obstacle[0].motion = -1;
     s->obstacle[0].frames = 2;
