@@ -112,8 +112,8 @@ asan)
     [ ! -x "$build/drape" ] || ok tool sh tests/app.sh "$build/drape"
     ;;
 tsan)
-    ok 'four threads' whole --threads 4
-    ok 'two worlds in two threads of the caller' whole --jobs 2 --threads 2
+    ok 'two threads of the caller, with worlds of four threads' \
+        whole --jobs 2 --threads 4
     ;;
 msan) ok 'whole scenes' whole ;;
 esac
