@@ -40,10 +40,17 @@ whole() {
 }
 
 # The scenes must have every outcome of a step, or zones, rollback or sleep would
-# not be tested.
+# not be tested; the large one that is there for zones must have them, and the one
+# that is there for slices must be cut.
 outcomes() {
     awk '$3 == "step" && $5 == 0 { seen[$6] }
+        $1 == "larger" && $3 == "step" && int($6 / 2) % 2 { zones = 1 }
+        $1 == "sliced" && $3 == "step" && $7 > 2 { slices = 1 }
         END {
+            if (!zones || !slices) {
+                print "larger has no zones, or sliced no slices"
+                bad = 1
+            }
             for (o in seen)
                 for (bit = 1; bit <= 32; bit *= 2)
                     if (int(o / bit) % 2) found[bit]
@@ -112,8 +119,8 @@ asan)
     [ ! -x "$build/drape" ] || ok tool sh tests/app.sh "$build/drape"
     ;;
 tsan)
-    ok 'four threads' whole --threads 4
-    ok 'two worlds in two threads of the caller' whole --jobs 2 --threads 2
+    ok 'two threads of the caller, with worlds of four threads' \
+        whole --jobs 2 --threads 4
     ;;
 msan) ok 'whole scenes' whole ;;
 esac

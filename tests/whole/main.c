@@ -19,7 +19,8 @@ struct asked {
     size_t bytes[ROWS];
 };
 
-/* Job k makes the runs whose number is k modulo the number of jobs. */
+/* Job k makes the scenes whose number is k modulo the number of jobs, in both
+ * precisions: jobs that had one precision each would share little code. */
 struct job {
     pthread_t thread;
     struct asked *asked;
@@ -56,8 +57,9 @@ static void run(struct asked *a, int k)
 static void *work(void *user)
 {
     struct job *job = user;
-    for (int k = job->k; k <= 2 * n_scene_rows; k += job->asked->jobs)
-        run(job->asked, k);
+    for (int s = job->k; s <= n_scene_rows; s += job->asked->jobs)
+        for (int k = 2 * s; k < 2 * s + 2 && k <= 2 * n_scene_rows; k++)
+            run(job->asked, k);
     return NULL;
 }
 

@@ -50,6 +50,7 @@ static void make_pile(struct show *s)
 static void make_thrown(struct show *s)
 {
     s->steps = 6;
+    s->def.response = DRAPE_IMPULSES;
     s->def.max_slices = 1;
     s->def.max_rounds = 2;
     s->def.gravity[1] = -900;
@@ -99,7 +100,7 @@ static void make_starved(struct show *s)
 /* A box goes through the floor with a pinned cloth between them. */
 static void make_crush(struct show *s)
 {
-    s->steps = 8;
+    s->steps = 4;
     s->def.max_slices = 2;
     show_cloth(s, 9, 9, 0.02, 0.01);
     show_pin(s, 4, 4, -1);
@@ -222,6 +223,7 @@ static void make_larger(struct show *s)
 {
     make_large(s);
     s->def.integrator = DRAPE_CK;
+    s->def.response = DRAPE_IMPULSES;
     s->def.precond = DRAPE_JACOBI;
     s->def.matrix = DRAPE_CDF;
     s->def.max_slices = s->def.max_rounds = 1;

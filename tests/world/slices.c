@@ -278,7 +278,9 @@ static void make_burst(struct slab *d, drape_cloth cloth[2], bool apart)
     slab_make(d, DRAPE_BW);
     d->def.n_obstacles = 0;
     d->def.max_slices = 2;
-    d->def.max_iterations = 100; /* so small numbers take a processor long */
+    /* so small numbers take a processor long, and emulated multigrid, too */
+    d->def.max_iterations = 20;
+    d->def.precond = DRAPE_JACOBI;
     d->motion.time = times;
     d->motion.position = apart ? down : up;
     d->def.allow_intersecting = !apart;
@@ -299,7 +301,9 @@ static void make_burst(struct slab *d, drape_cloth cloth[2], bool apart)
 
 /* step.md §3.3, §11: where contact leads beyond all numbers the slice is taken
  * again; then the step reports DIVERGED, not what it met on the way, and the
- * state stays. Both backends agree on it, and on the work they did. */
+ * state stays. Both backends agree on it, and on the work they did. The next
+ * step begins at the same state and is the same step again, so it is made by
+ * one method only. */
 static const char *check_burst(int integrator, bool apart, int *burst)
 {
     struct slab d;
@@ -309,11 +313,12 @@ static const char *check_burst(int integrator, bool apart, int *burst)
     make_burst(&d, cloth, apart);
     d.def.integrator = integrator;
     for (int k = 0; k < 2; k++) {
-        d.def.backend = k ? DRAPE_GPU : DRAPE_REF;
+        bool left_out = scene_left_out(integrator, DRAPE_GPU);
+        d.def.backend = k && !left_out ? DRAPE_GPU : DRAPE_REF;
         world[k] = slab_world(&d);
         EXPECT(world[k]);
     }
-    for (int step = 0; step < 2; step++) {
+    for (int step = 0; step < (integrator == DRAPE_BW ? 2 : 1); step++) {
         uint64_t before = checkpoint_hash(world[0]);
         memset(r, 0, sizeof r);
         for (int k = 0; k < 2; k++) {
