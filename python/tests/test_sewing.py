@@ -150,3 +150,42 @@ def test_what_is_refused(flaps: Path, tmp_path: Path) -> None:
     crossing = rail(at=[0, 0.15, 0.02])
     with pytest.raises(drape.Error, match="intersect"):
         drape.sew(flaps, crossing, cell=0.02, **how)
+
+
+def test_patterns_and_bodies_are_swept(flaps: Path, tmp_path: Path) -> None:
+    """Garments are sewn in workers; names of values are the table's, draws have
+    their seed, and a second sweep finds all results."""
+    scene = {
+        "garments": [{"pattern": str(flaps), "cell": 0.04}],
+        "obstacles": [],
+        "frames": 20,
+    }
+    axes = {
+        "garments.0.pattern": {"flaps": str(flaps)},
+        "obstacles": {"thin": [rail()], "thick": [rail(radius=0.016)]},
+    }
+    grid = drape.grid(scene, axes)
+    assert [each.label for each in grid] == [
+        "pattern=flaps, obstacles=thin",
+        "pattern=flaps, obstacles=thick",
+    ]
+    done = drape.sweep(grid, tmp_path / "out", sew=True)
+    assert not done.failed, done.failed
+    for row, each in zip(done.rows, grid, strict=True):
+        assert row["parameter.garments.0.pattern"] == "flaps"
+        assert row["parameter.obstacles"] == each.parameters["obstacles"]
+        assert row["seams"] == 1 and row["sewn_clean"] and row["steps"] == 0
+        assert row["sewn_steps"] == 20 and row["intersecting"] == row["sewn_pairs"] == 0
+        sewn = drape.sew(each.scene, pictures=False)
+        assert row["most_gap"] == sewn.seams[0].gap
+        data = done.data(each.label)
+        assert np.array_equal(data["positions"][: len(sewn.positions)], sewn.positions)
+    again = drape.sweep(grid, tmp_path / "out", sew=True)
+    assert again.reused == 2
+    drawn = drape.sample(scene, {**axes, "dt": (0.01, 0.02)}, 3, seed=5)
+    assert {each.parameters["obstacles"] for each in drawn} == {"thin", "thick"}
+    assert [(each.parameters["seed"], each.parameters["draw"]) for each in drawn] == [
+        (5, 0),
+        (5, 1),
+        (5, 2),
+    ]
