@@ -338,7 +338,7 @@ class Garment(Keys):
         look: of all its panels
     """
 
-    pattern: str | None = None
+    pattern: str | os.PathLike[str] | None = None
     name: str | None = None
     cell: float | None = None
     material: str | Material | Mapping[str, Any] | None = None

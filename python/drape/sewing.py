@@ -98,6 +98,8 @@ class Sewn:
     def __init__(self, folder: str | os.PathLike[str]) -> None:
         """Reads a folder that `sew` or ``drape sew`` has written."""
         self.folder = folder = Path(folder)
+        if not (folder / "sew.json").exists():
+            raise SceneError(f"{folder}: no garment was sewn in this folder")
         about = json.loads((folder / "sew.json").read_text(encoding="utf-8"))
         run = json.loads((folder / "report.json").read_text(encoding="utf-8"))
         self.end: str = run["end"]
@@ -184,7 +186,7 @@ def sew(
 
     Args:
         pattern: a file as GarmentCode writes it; or a scene, as `World` takes it, with
-            garments, of which `body`, `cell` and `material` are keys
+            garments and obstacles, without `body`, `cell` and `material`
         body: that wears it: an `Obstacle` or a list of these; or a mesh: a file, or
             what an obstacle takes as `mesh`
         cell: m, side of a cell; default: 0.005
@@ -207,10 +209,10 @@ def sew(
     text = with_keys(scenes.read(_wrapped(pattern, given)), keys)
     if any(text.cloths):
         raise SceneError(f"{text.file}: the tool that sews reads no arrays of cloths")
-    words: list[object] = ["--every", every, *["--no-picture"] * (not pictures)]
-    words += ["--force"] * force
-    if frames is not None:
-        words += ["--frames", frames]
+    words: list[object] = ["--every", every]
+    words += [] if frames is None else ["--frames", frames]
+    words += [] if pictures else ["--no-picture"]
+    words += ["--force"] if force else []
     if folder is not None:
         return _sew(text, Path(folder), force, words, log)
     temporary = tempfile.TemporaryDirectory(prefix="drape-")
@@ -248,6 +250,7 @@ def _sew(
 
     status = tool.follow("sew", file, "--out", folder, *words, log=hear)
     if status not in (0, 1) or not (folder / "sew.json").exists():
+        file.unlink(missing_ok=True)  # so that the folder can be used again
         last = last.replace("--out", "folder").replace("--force", "force=True")
         raise tool.failure(status, last or f"exit status {status}")
     made = Sewn(folder)
@@ -275,15 +278,18 @@ def _wrapped(pattern: scenes.SceneLike, given: Mapping[str, Any]) -> scenes.Scen
     if not _is_pattern(pattern):
         for key, value in given.items():
             if value is not None:
-                raise SceneError(f"{key}: it is a key of a scene, which has its own")
+                raise SceneError(f"{key}: it is for a pattern; a scene has its own")
         return pattern
-    file = os.fspath(pattern)  # type: ignore[arg-type]
+    file = Path(pattern)  # type: ignore[arg-type]
     garment = scenes.Garment(
         pattern=file, cell=given["cell"], material=given["material"]
     )
-    bodies = _bodies(given["body"])
-    name = Path(file).stem
-    return scenes.Scene(name=name, frames=600, garments=[garment], obstacles=bodies)
+    return scenes.Scene(
+        name=file.stem,
+        frames=600,
+        garments=[garment],
+        obstacles=_bodies(given["body"]),
+    )
 
 
 def _is_pattern(pattern: scenes.SceneLike) -> bool:
