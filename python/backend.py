@@ -24,7 +24,7 @@ PARTS = (
     "bench/*/speed.csv",
     "tests/golden/stages.txt",  # of which the certificate tells
     *("app", "ci", "gpu", "ref", "spec/*.h", "spec/*.def"),
-    *("python", ":!python/tests", ":!python/docs", ":!app/lion.png"),
+    *("python", ":!python/tests", ":!python/docs", ":!app/tee.png"),
 )
 
 

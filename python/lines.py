@@ -28,6 +28,9 @@ ROOT = Path(__file__).resolve().parents[1]
 SHORT = """#!/bin/sh
 case $1 in
 run) set -- "$@" --frames 2 ;;
+sew) # whose seams are open then, which exit status 1 says
+    {python} -m drape "$@" --frames 2 --no-picture || [ $? -eq 1 ]
+    exit ;;
 render) set -- "$@" --width 64 --height 48 --samples 1 ;;
 view)
     {python} -m drape "$@" --port 0 >view.log 2>&1 &

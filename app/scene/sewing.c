@@ -154,8 +154,7 @@ static int read_seams(struct sewing *s)
         seam->most = seam->strongest = 0;
         for (int64_t p = 0; p < seam->n; p++) {
             double gap = length_of(seam->gap[p]);
-            double pull =
-                length_of(seam->pull[p]) / s->scene->seam[k].length[p];
+            double pull = length_of(seam->pull[p]) / seam->spacing;
             if (gap > seam->most) {
                 seam->most = gap;
                 seam->worst = (int)p;

@@ -28,7 +28,7 @@ struct sewing_seam {
     int waiting;         /* points that pull as hard as they may */
     double most;         /* m, the largest gap */
     int worst;           /* the point that has it */
-    double strongest;    /* N/m, the largest pull a length of the seam */
+    double strongest;    /* N/m, the largest pull of a point a spacing */
     int64_t closed; /* step after which it was closed last; 0: it is open */
 };
 

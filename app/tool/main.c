@@ -124,6 +124,7 @@ static const struct command {
      "                     from --seed S\n"
      "  --frames N         frames to make (default: the scene's)\n"
      "  --every K          keep the positions of every K-th\n"
+     "  --sew              sew the garments first, as drape sew does\n"
      "  --workers N        at a time (default: as many as processors)\n"
      "  --on local|ray|slurm  where; --option TEXT: of sbatch, once each\n"
      "Writes DIR/table.parquet and the arrays of each; what is there already "

@@ -96,7 +96,7 @@ int command_view(int argc, char **argv)
 int command_sweep(int argc, char **argv)
 {
     const char *text;
-    int number;
+    int number, flag;
     const struct option_row options[] = {
         TEXT_OPTION("--out", &text),
         TEXT_OPTION("--set", &text),
@@ -106,6 +106,7 @@ int command_sweep(int argc, char **argv)
         INT_OPTION("--frames", &number, 0, 1000000),
         INT_OPTION("--every", &number, 0, 1000000),
         INT_OPTION("--workers", &number, 1, 100000),
+        FLAG_OPTION("--sew", &flag),
         TEXT_OPTION("--on", &text),
         TEXT_OPTION("--option", &text),
         {0}};

@@ -13,9 +13,11 @@ from pathlib import Path
 import drape
 
 SECONDS = 5  # between two words on how far a scene is
-SCENES = Path(__file__).resolve().parents[2] / "app/scenes"
-# Scenes that need no mesh from elsewhere, and the frame of each picture.
+APP = Path(__file__).resolve().parents[2] / "app"
+# Scenes that need no mesh from elsewhere, and the frame of each picture. Those beside
+# patterns are sewn.
 FRAMES = {
+    "worn": 90,
     "sphere": 60,
     "funnel": 60,
     "curtain": 100,
@@ -39,18 +41,32 @@ def run(world: drape.World, frames: int, what: str) -> drape.Reports:
     return drape.Reports(reports)
 
 
+def sew(file: Path, frames: int, what: str) -> drape.Sewn:
+    """Sews a scene, and says every few seconds how far it is."""
+    return drape.sew(
+        file,
+        frames=frames,
+        threads=0,
+        pictures=False,
+        log=lambda line: print(f"{what}: {line}", flush=True),
+    )
+
+
 def main(folder: Path, frames: dict[str, int]) -> None:
     """Runs the scenes, takes the pictures and writes the page."""
     folder.mkdir(parents=True, exist_ok=True)
     page = ["# Gallery\n", "Each picture is of the scene below it, at that frame.\n"]
     for number, (name, frame) in enumerate(frames.items(), 1):
-        with drape.World(SCENES / f"{name}.json", threads=0) as world:
-            what = f"gallery: {number} of {len(frames)}: {name}"
-            reports = run(world, frame, what)
+        file = APP / "patterns" / f"{name}.json"
+        what = f"gallery: {number} of {len(frames)}: {name}"
+        sewn = sew(file, frame, what) if file.exists() else None
+        file = file if sewn else APP / "scenes" / f"{name}.json"
+        with sewn.world() if sewn else drape.World(file, threads=0) as world:
+            done = sewn or run(world, frame, what)
             world.render(folder / f"{name}.png", width=640, height=480)
             about = f"Frame {frame}; {len(world.triangles):,} triangles; "
-            about += "every step clean." if reports.clean else str(reports.outcome)
-        text = (SCENES / f"{name}.json").read_text(encoding="utf-8")
+            about += "every step clean." if done.clean else str(done.outcome)
+        text = file.read_text(encoding="utf-8")
         page += [f"## {name}\n", f"![The scene {name}]({name}.png)\n", f"{about}\n"]
         page += [f"```json\n{text}```\n"]
     (folder / "gallery.md").write_text("\n".join(page), encoding="utf-8")

@@ -59,6 +59,7 @@ from .scene import (
     Start,
     Wind,
 )
+from .sewing import Seam, Sewn, SewnFrame, sew
 from .sweeps import Sweep, Variant, grid, sample, sweep
 from .viewer.show import Viewer, view
 from .world import Reports, World
@@ -105,6 +106,9 @@ __all__ = [
     "Reports",
     "Scene",
     "SceneError",
+    "Seam",
+    "Sewn",
+    "SewnFrame",
     "SharedArray",
     "Start",
     "Status",
@@ -129,6 +133,7 @@ __all__ = [
     "materials",
     "read_meshes",
     "sample",
+    "sew",
     "step_many",
     "sweep",
     "tool",

@@ -338,7 +338,7 @@ class Garment(Keys):
         look: of all its panels
     """
 
-    pattern: str | None = None
+    pattern: str | os.PathLike[str] | None = None
     name: str | None = None
     cell: float | None = None
     material: str | Material | Mapping[str, Any] | None = None
@@ -547,29 +547,13 @@ class Scene(Keys):
         from ._define import read_scene, tree_of
 
         text = _file(path)
-        made: Scene = _objects(tree_of(text), Scene)
-        folder = os.path.dirname(os.path.abspath(text.file))
+        tree = tree_of(text)
+        name_wholly(tree, os.path.dirname(os.path.abspath(text.file)))
+        made: Scene = _objects(tree, Scene)
         for body in _only(made.cloths, Cloth):
             for name in CLOTH_ARRAYS:
                 if isinstance(file := getattr(body, name), str):
-                    setattr(body, name, _npy(os.path.join(folder, file)))
-            panel = body.panel
-            if isinstance(panel, Panel) and isinstance(panel.pattern, str):
-                panel.pattern = os.path.join(folder, panel.pattern)
-        for garment in _only(made.garments, Garment):
-            for name in ("pattern", "sewn"):
-                if isinstance(file := getattr(garment, name), str):
-                    setattr(garment, name, os.path.join(folder, file))
-        for obstacle in _only(made.obstacles, Obstacle):
-            if isinstance(file := obstacle.mesh, str):
-                beside = os.path.join(folder, file)
-                obstacle.mesh = beside if os.path.exists(beside) else file
-            if isinstance(frames := obstacle.frames, Frames):
-                for name in ("files", "file"):
-                    if isinstance(file := getattr(frames, name), str):
-                        setattr(frames, name, os.path.join(folder, file))
-            if isinstance(file := obstacle.sequence, str):
-                obstacle.sequence = os.path.join(folder, file)
+                    setattr(body, name, _npy(file))
         read_scene(dataclasses.replace(read(made), file=text.file))
         return made
 
@@ -582,24 +566,50 @@ class Scene(Keys):
         arrays as PLY, `positions` and `velocities` of cloths as NumPy's, which
         `World` takes and the tool refuses.
         """
-        made = read(self)
-        tree = json.loads(made.text)
-        file = Path(path)
-        _whole.need_folder(file)
-        for k, arrays in enumerate(made.cloths):
-            for name, value in arrays.items():
-                beside = file.with_name(f"{file.stem}.cloth{k}.{name}.npy")
-                with _whole.beside(beside) as part:
-                    where = f"cloths[{k}].{name}"
-                    np.save(part, array(value, (None, 3), where), allow_pickle=False)
-                tree["cloths"][k][name] = beside.name
-        for k, arrays in enumerate(made.obstacles):
-            if arrays:
-                del tree["obstacles"][k]["shape"]
-                name = f"{file.stem}.obstacle{k}"
-                tree["obstacles"][k] |= _put_mesh(file.parent, name, arrays, k)
-        text = json.dumps(tree, indent=2, ensure_ascii=False)
-        _whole.write(path, (text + "\n").encode())
+        put(read(self), path)
+
+
+def put(made: Text, path: str | os.PathLike[str]) -> None:
+    """Writes a scene as a file, and its arrays into files beside it."""
+    tree = json.loads(made.text)
+    file = Path(path)
+    _whole.need_folder(file)
+    for k, arrays in enumerate(made.cloths):
+        for name, value in arrays.items():
+            beside = file.with_name(f"{file.stem}.cloth{k}.{name}.npy")
+            with _whole.beside(beside) as part:
+                where = f"cloths[{k}].{name}"
+                np.save(part, array(value, (None, 3), where), allow_pickle=False)
+            tree["cloths"][k][name] = beside.name
+    for k, arrays in enumerate(made.obstacles):
+        if arrays:
+            del tree["obstacles"][k]["shape"]
+            name = f"{file.stem}.obstacle{k}"
+            tree["obstacles"][k] |= _put_mesh(file.parent, name, arrays, k)
+    text = json.dumps(tree, indent=2, ensure_ascii=False)
+    _whole.write(path, (text + "\n").encode())
+
+
+# The keys of bodies that name files, by the lists that the bodies are in.
+FILES = {
+    "cloths": ("panel.pattern", "positions", "velocities"),
+    "garments": ("pattern", "sewn"),
+    "obstacles": ("mesh", "frames.files", "frames.file", "sequence"),
+}
+
+
+def name_wholly(tree: dict[str, Any], folder: str) -> None:
+    """Names a scene's files, which begin in this folder, by their whole paths. A mesh
+    that is not there is looked for elsewhere by the scenes' reader."""
+    for kind, names in FILES.items():
+        for body in _bodies(tree, kind):
+            for name in names:
+                inner, _, last = name.rpartition(".")
+                keys = body.get(inner) if inner and isinstance(body, dict) else body
+                if isinstance(keys, dict) and isinstance(keys.get(last), str):
+                    there = os.path.join(folder, keys[last])
+                    if last != "mesh" or os.path.exists(there):
+                        keys[last] = there
 
 
 def _objects(tree: Any, kind: type[Any]) -> Any:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NoReturn
 
@@ -53,9 +53,37 @@ def call(*arguments: object, programs: str = "") -> str:
     done = subprocess.run(words, env=seen, capture_output=True, text=True)
     if done.returncode:
         lines = done.stderr.strip().splitlines() or [f"exit status {done.returncode}"]
-        text = lines[-1].removeprefix("drape: ")
-        raise (SceneError if done.returncode == 2 else Error)(text)
+        raise failure(done.returncode, lines[-1].removeprefix("drape: "))
     return done.stdout
+
+
+def failure(status: int, text: str) -> Error:
+    """Returns what the tool's exit status raises."""
+    return (SceneError if status == 2 else Error)(text)
+
+
+def follow(*arguments: object, log: Callable[[str], object]) -> int:
+    """Runs the tool, whose output is not wanted, gives `log` each line that it says
+    on standard error, and returns its exit status. An exception, as that of Ctrl-C,
+    ends it in order."""
+    words, seen = _words([str(each) for each in arguments])
+    with subprocess.Popen(
+        words,
+        env=seen,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        errors="replace",
+    ) as process:
+        assert process.stderr
+        try:
+            for line in process.stderr:
+                log(line.rstrip("\n").removeprefix("drape: "))
+        except BaseException:
+            process.terminate()
+            process.wait()
+            raise
+    return process.returncode
 
 
 def become(arguments: Sequence[str]) -> NoReturn:

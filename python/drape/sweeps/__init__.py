@@ -73,6 +73,7 @@ def sweep(
     on: str = "local",
     frames: int | None = None,
     every: int = 0,
+    sew: bool = False,
     workers: int | None = None,
     threads: int = 1,
     attempts: int = 3,
@@ -99,6 +100,10 @@ def sweep(
             $XDG_STATE_HOME (~/.local/state), which the nodes then share, too
         frames: to make of each scene; default: as many as it says
         every: of the frames, whose positions are kept; 0: only the end is
+        sew: whether each scene's garments are sewn first, as `drape.sew` does in the
+            scene's frames at most; `frames`, by default none, go on from there, and
+            the rows tell of the seams: how many are open, m of the largest gap,
+            N/m of the largest pull, and pairs that intersected in all frames
         workers: jobs at a time; default: as many as processors, or as the
             cluster takes
         threads: of each scene; the number changes no result
@@ -117,7 +122,7 @@ def sweep(
     _arrow()
     store = Store(os.fspath(out), storage)
     keys = {"threads": threads, **keys}
-    jobs = list(jobs_of(scenes, keys, frames, every))
+    jobs = list(jobs_of(scenes, keys, frames, every, sew))
     answers: dict[str, Answer] = {}
     for job in jobs:
         found = store.get(job.id)

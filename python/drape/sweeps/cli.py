@@ -86,6 +86,9 @@ def _parser() -> Parser:
     parser.add_argument(
         "--every", type=lambda text: whole(text, 0), default=0, metavar="K"
     )
+    parser.add_argument(
+        "--sew", action="store_true", help="sew the garments first, as drape sew does"
+    )
     parser.add_argument("--workers", type=whole, metavar="N")
     parser.add_argument("--on", choices=("local", "ray", "slurm"), default="local")
     parser.add_argument("--option", action="append", default=[], metavar="TEXT")
@@ -114,6 +117,7 @@ def _run(given: argparse.Namespace) -> Sweep:
         on=given.on,
         frames=given.frames,
         every=given.every,
+        sew=given.sew,
         workers=given.workers,
         options=given.option or None,
         progress=told,

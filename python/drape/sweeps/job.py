@@ -24,6 +24,7 @@ from .._define import read_scene, tree_of, with_keys
 from .._meshes import on_host
 from ..errors import Error, SceneError
 from ..export.arrays import of_world
+from ..sewing import Sewn, sew
 from ..world import Reports, World
 
 Data = dict[str, NDArray[Any]]
@@ -45,16 +46,29 @@ class Variant:
     label: str = ""
 
 
-def grid(scene: scenes.SceneLike, axes: Mapping[str, Sequence[Any]]) -> list[Variant]:
+# A parameter's values: in a list; or by names, which labels and the table have.
+Values = Sequence[Any] | Mapping[str, Any]
+
+
+def grid(scene: scenes.SceneLike, axes: Mapping[str, Values]) -> list[Variant]:
     """Returns a scene's variants: all combinations of some parameters' values. The
     last words of their paths are in the labels.
 
     Args:
         scene: what `World` takes
-        axes: values by the path of a key, as "dt" or "cloths.0.material.bend"
+        axes: values by the path of a key, as "dt", "cloths.0.material.bend" or
+            "garments.0.pattern"; values of many words, as the "obstacles" of a
+            body, are given names by a mapping
     """
-    rows = (dict(zip(axes, each, strict=True)) for each in product(*axes.values()))
-    return _of_keys([_variant(scene, row) for row in rows])
+    all_ = product(*map(_named, axes.values()))
+    return _of_keys([_variant(scene, dict(zip(axes, e, strict=True))) for e in all_])
+
+
+def _named(axis: Values) -> list[tuple[Any, Any]]:
+    """Returns an axis's values, each behind its name, or itself."""
+    if isinstance(axis, Mapping):
+        return list(axis.items())
+    return [(value, value) for value in axis]
 
 
 Draw = Callable[[np.random.Generator], Any]
@@ -62,7 +76,7 @@ Draw = Callable[[np.random.Generator], Any]
 
 def sample(
     scene: scenes.SceneLike,
-    axes: Mapping[str, Sequence[Any] | Draw],
+    axes: Mapping[str, Values | Draw],
     count: int,
     seed: int = 0,
 ) -> list[Variant]:
@@ -71,8 +85,9 @@ def sample(
 
     Args:
         scene: what `World` takes
-        axes: by the path of a key: a pair (low, high) to draw from evenly, a list
-            to choose from, or a function of a `numpy.random.Generator`
+        axes: by the path of a key: a pair (low, high) to draw from evenly, a list, or
+            a mapping by names, to choose from, or a function of a
+            `numpy.random.Generator`
         count: how many
         seed: a whole number, from which all numbers follow
     """
@@ -98,15 +113,18 @@ def _of_keys(variants: list[Variant]) -> list[Variant]:
     return variants
 
 
-def _drawn(axis: Sequence[Any] | Draw, generator: np.random.Generator) -> Any:
+def _drawn(axis: Values | Draw, generator: np.random.Generator) -> tuple[Any, Any]:
+    """Returns a value behind its name, or itself."""
     if callable(axis):
         value = axis(generator)
     elif isinstance(axis, tuple):
         low, high = axis
         value = float(generator.uniform(low, high))
     else:
-        value = axis[int(generator.integers(len(axis)))]
-    return _plain(value)
+        name, value = _named(axis)[int(generator.integers(len(axis)))]
+        if isinstance(axis, Mapping):
+            return name, value
+    return _plain(value), _plain(value)
 
 
 def _plain(value: Any) -> Any:
@@ -116,11 +134,13 @@ def _plain(value: Any) -> Any:
     return [_plain(each) for each in value] if isinstance(value, list) else value
 
 
-def _variant(scene: scenes.SceneLike, parameters: dict[str, Any]) -> Variant:
-    """Returns a scene with the values of some keys' paths."""
+def _variant(scene: scenes.SceneLike, chosen: dict[str, tuple[Any, Any]]) -> Variant:
+    """Returns a scene with the values of some keys' paths, of which each is behind
+    its name."""
     tree = _tree(scene)
-    for path, value in parameters.items():
+    for path, (_, value) in chosen.items():
         _put(tree, path, value)
+    parameters = {path: name for path, (name, _) in chosen.items()}
     last = [path.rpartition(".")[2] for path in parameters]
     words = (
         f"{word if last.count(word) == 1 else path}={_told(value)}"
@@ -175,6 +195,7 @@ class Job:
         frames: to make; every: of which the positions are kept, 0: of none
         parameters: columns of the table
         label: for people
+        sew: whether its garments are sewn before
     """
 
     name: str
@@ -183,16 +204,20 @@ class Job:
     every: int
     parameters: dict[str, Any]
     label: str = ""
+    sew: bool = False
 
     @property
     def id(self) -> str:
         """Identifies what is computed: scene, frames, version and what is kept.
-        Files of meshes are known by their paths, not by what is in them."""
+        Files of meshes and patterns are known by their paths, not by what is in
+        them."""
         total = hashlib.sha256()
         text = self.scene.text
         about = [text, self.frames, self.every, version(), FORMAT]
-        if '"mesh"' in text or '"files"' in text:
+        if any(f'"{key}"' in text for key in ("mesh", "files", "pattern")):
             about.append(self.scene.file)
+        if self.sew:
+            about.append("sewn")
         total.update(json.dumps(about).encode())
         for arrays in (*self.scene.cloths, *self.scene.obstacles):
             for key in sorted(arrays):
@@ -203,7 +228,8 @@ class Job:
 
     def plain(self) -> dict[str, Any]:
         """Returns what a worker needs of the job, as JSON holds it."""
-        about = {key: getattr(self, key) for key in ("name", "frames", "every")}
+        names = "name", "frames", "every", "sew"
+        about: dict[str, Any] = {key: getattr(self, key) for key in names}
         about |= {"text": self.scene.text, "file": self.scene.file}
         for key in ("cloths", "obstacles"):
             about[key] = [
@@ -223,7 +249,8 @@ class Job:
             for key in ("cloths", "obstacles")
         )
         text = scenes.Text(str(about["text"]), str(about["file"]), cloths, obstacles)
-        return Job(str(about["name"]), text, about["frames"], int(about["every"]), {})
+        name, every = str(about["name"]), int(about["every"])
+        return Job(name, text, about["frames"], every, {}, sew=bool(about["sew"]))
 
 
 def _packed(value: Any) -> float | str:
@@ -254,6 +281,7 @@ def jobs_of(
     keys: Mapping[str, Any],
     frames: int | None,
     every: int,
+    sew: bool = False,
 ) -> Iterator[Job]:
     """Returns the jobs of scenes by names, or in a list, by their numbers."""
     if not isinstance(given, Mapping):
@@ -264,7 +292,7 @@ def jobs_of(
         # a worker may be started in another folder
         text = dataclasses.replace(text, file=os.path.abspath(text.file))
         label = variant.label or str(name)
-        yield Job(str(name), text, frames, every, variant.parameters, label)
+        yield Job(str(name), text, frames, every, variant.parameters, label, sew)
 
 
 def digest(data: Data) -> str:
@@ -282,8 +310,10 @@ def run(job: Job) -> tuple[dict[str, Any], Data]:
     and `velocities` at the end; `frames` [count, vertices of cloths, 3], `frame_dt`
     s apart; and what `of_world` says of triangles, rest and bodies."""
     began = time.perf_counter()
-    with World(job.scene) as world:
-        frames = world.frames if job.frames is None else job.frames
+    sewn = sew(job.scene, pictures=False) if job.sew else None
+    with sewn.world() if sewn else World(job.scene) as world:
+        own = 0 if sewn else world.frames
+        frames = own if job.frames is None else job.frames
         cloths = max(b.vertices.stop for b in world.bodies if b.kind == "cloth")
         reports, kept = Reports(), []
         for frame in range(frames + 1):
@@ -297,6 +327,10 @@ def run(job: Job) -> tuple[dict[str, Any], Data]:
             apart = job.every * world.steps_per_frame * world.dt
             data |= {"frames": np.stack(kept), "frame_dt": np.array(apart)}
         row = _row(world, reports)
+    if sewn:
+        row |= _sewn_row(sewn)
+        if not reports:  # the audit of all pairs has those that seams join, too
+            row["intersecting"] = sewn.frames[-1].pairs
     row["seconds"] = time.perf_counter() - began
     row["digest"] = digest(data)
     return row, data
@@ -325,6 +359,20 @@ def _row(world: World, reports: Reports) -> dict[str, Any]:
         "kinetic": last.kinetic if last else None,
         "elastic": last.elastic if last else None,
         "potential": last.potential if last else None,
+    }
+
+
+def _sewn_row(sewn: Sewn) -> dict[str, Any]:
+    """What a row has of sewing."""
+    return {
+        "sewn_end": sewn.end,
+        "sewn_steps": sewn.steps,
+        "sewn_clean": sewn.clean,
+        "sewn_pairs": sum(each.pairs for each in sewn.frames),
+        "seams": len(sewn.seams),
+        "seams_open": len(sewn.open),
+        "most_gap": max(each.gap for each in sewn.seams),
+        "most_pull": max(each.pull for each in sewn.seams),
     }
 
 

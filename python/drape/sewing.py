@@ -1,0 +1,310 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Garments of sewing patterns, sewn by the tool: `drape sew` owns the law
+(app/patterns/README.md §11), and this module asks it and reads what it wrote."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import json
+import operator
+import os
+import tempfile
+import weakref
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import scene as scenes
+from . import tool
+from ._define import tree_of, with_keys
+from .errors import DivergedError, SceneError, warn
+from .export.run import Run, read_ply
+from .reports import Outcome
+from .world import NOT_CLEAN, World
+
+SCENE = "scene.json"  # what is sewn, in its folder
+
+
+@dataclass(frozen=True)
+class Seam:
+    """A seam as sewing left it.
+
+    Attributes:
+        name: the edges that it joins, as "front 1 to back 7"
+        stage: in which its turn comes: "darts" or "seams"
+        points: particles that it holds
+        gap: m, the largest; gap_cells: as a part of a cell
+        pull: N/m, the largest
+        waiting: points that pull as hard as they may
+        closed: the step after which all gaps were below 5 % of a cell; None: it is
+            open
+    """
+
+    name: str
+    stage: str
+    points: int
+    gap: float
+    gap_cells: float
+    pull: float
+    waiting: int
+    closed: int | None
+
+
+@dataclass(frozen=True)
+class SewnFrame:
+    """A frame of sewing.
+
+    Attributes:
+        frame, step: its number, and the steps before it
+        stage: "darts", "seams" or "worn"
+        gap_cells: the largest gap as a part of a cell, of the seams whose turn has
+            come; seam: which has it; open: how many are; waiting: their points that
+            pull as hard as they may
+        pairs: of triangles that intersect; sewn_pairs: those that a seam joins, which
+            cross by its gap and do not count as intersecting
+    """
+
+    frame: int
+    step: int
+    stage: str
+    gap_cells: float
+    seam: str | None
+    open: int
+    waiting: int
+    pairs: int
+    sewn_pairs: int
+
+
+class Sewn:
+    """Garments that `sew` has sewn, in a folder.
+
+    Attributes:
+        folder: has what `drape sew` writes (app/patterns/README.md §11); one that
+            `sew` has chosen goes with this object
+        end: "at rest", or "complete": all frames were made before
+        steps: of dt s each
+        dt: s
+        outcome: all that happened in any of the steps
+        stages: the step before which each stage began
+        seams: a `Seam` each, in the order of the garments and of their stitches
+        frames: a `SewnFrame` each
+    """
+
+    def __init__(self, folder: str | os.PathLike[str]) -> None:
+        """Reads a folder that `sew` or ``drape sew`` has written."""
+        self.folder = folder = Path(folder)
+        if not (folder / "sew.json").exists():
+            raise SceneError(f"{folder}: no garment was sewn in this folder")
+        about = json.loads((folder / "sew.json").read_text(encoding="utf-8"))
+        run = json.loads((folder / "report.json").read_text(encoding="utf-8"))
+        self.end: str = run["end"]
+        self.steps: int = about["steps"]
+        self.dt: float = about["dt"]
+        self.stages: dict[str, int] = about["stages"]
+        self.seams = [_seam(each) for each in about["seams"]]
+        self.frames = [SewnFrame(**each) for each in about["frames"]]
+        count = run["summary"]["outcomes"]
+        flags = (flag for flag in Outcome if count[str(flag.name).lower()])
+        self.outcome = functools.reduce(operator.or_, flags, Outcome(0))
+
+    def __repr__(self) -> str:
+        """How many seams are closed, and how it ended."""
+        closed = len(self.seams) - len(self.open)
+        return (
+            f"<drape.Sewn: {closed} of {len(self.seams)} seams closed, "
+            f"{self.steps} steps, {self.end}, {self.folder}>"
+        )
+
+    @property
+    def open(self) -> list[Seam]:
+        """The seams that are not closed."""
+        return [seam for seam in self.seams if seam.closed is None]
+
+    @property
+    def clean(self) -> bool:
+        """Whether nothing went through anything: no step is trapped, passed or
+        diverged, and no frame has pairs that intersect."""
+        return not self.outcome & NOT_CLEAN and not any(f.pairs for f in self.frames)
+
+    @functools.cached_property
+    def positions(self) -> NDArray[np.floating[Any]]:
+        """[n, 3] m, the particles of all garments as they are sewn, in the order of
+        the garments and of their panels."""
+        files = sorted(self.folder.glob("sewn_*.ply"))
+        return np.concatenate([read_ply(file)[0] for file in files])
+
+    @property
+    def pictures(self) -> dict[str, Path]:
+        """The pictures of the end, "front" and "back"."""
+        found = sorted((self.folder / "pictures").glob("*_*.png"))
+        sides = {file.stem.partition("_")[0]: file for file in found}
+        return {side: sides[side] for side in ("front", "back") if side in sides}
+
+    @property
+    def scene(self) -> scenes.Scene:
+        """A scene that begins as sewing ended, with bodies that move if they have
+        motions."""
+        return scenes.Scene.load(self.folder / "sewn.json")
+
+    @property
+    def run(self) -> Run:
+        """The frames, body by body."""
+        return Run(self.folder)
+
+    def world(self, **keys: Any) -> World:
+        """Returns a world of `scene`, some of whose keys may be replaced."""
+        return World(self.folder / "sewn.json", **keys)
+
+
+def _seam(row: dict[str, Any]) -> Seam:
+    """Returns a seam of sew.json, whose names have units."""
+    gap, pull = row.pop("gap_m"), row.pop("pull_N_per_m")
+    return Seam(gap=gap, pull=pull, **row)
+
+
+def sew(
+    pattern: scenes.SceneLike,
+    body: Any = None,
+    *,
+    cell: float | None = None,
+    material: str | scenes.Material | Mapping[str, Any] | None = None,
+    folder: str | os.PathLike[str] | None = None,
+    frames: int | None = None,
+    every: int = 1,
+    pictures: bool = True,
+    force: bool = False,
+    log: Callable[[str], object] | None = None,
+    **keys: Any,
+) -> Sewn:
+    """Sews the garment of a pattern on a body, and drapes it: what ``drape sew`` does.
+    A seam that cannot close is not an error: it is in `Sewn.open`.
+
+    Args:
+        pattern: a file as GarmentCode writes it; or a scene, as `World` takes it, with
+            garments and obstacles, without `body`, `cell` and `material`
+        body: that wears it: an `Obstacle` or a list of these; or a mesh: a file, or
+            what an obstacle takes as `mesh`
+        cell: m, side of a cell; default: 0.005
+        material: a fabric's name, a `Material` or a mapping; default: light cotton
+        folder: for what is written; default: one that goes with what is returned
+        frames: at most; default: the scene's, of a pattern 600
+        every: of the frames, which are written
+        pictures: whether some are taken from the front and from the back
+        force: whether files of another run are removed from the folder
+        log: called with each line that the tool says: its progress, every few seconds,
+            and its notes, which are warnings otherwise
+        keys: replace the scene's own: backend="gpu", threads=1, …
+
+    Raises:
+        SceneError: the pattern, the body or the scene is refused
+        DivergedError: a step was given up; the folder has the state before it
+        Error: the tool failed
+    """
+    given = {"body": body, "cell": cell, "material": material}
+    text = with_keys(scenes.read(_wrapped(pattern, given)), keys)
+    if any(text.cloths):
+        raise SceneError(f"{text.file}: the tool that sews reads no arrays of cloths")
+    words: list[object] = ["--every", every]
+    words += [] if frames is None else ["--frames", frames]
+    words += [] if pictures else ["--no-picture"]
+    words += ["--force"] if force else []
+    if folder is not None:
+        return _sew(text, Path(folder), force, words, log)
+    temporary = tempfile.TemporaryDirectory(prefix="drape-")
+    try:
+        made = _sew(text, Path(temporary.name), force, words, log)
+    except BaseException:
+        temporary.cleanup()
+        raise
+    weakref.finalize(made, temporary.cleanup)
+    return made
+
+
+def _sew(
+    text: scenes.Text,
+    folder: Path,
+    force: bool,
+    words: Sequence[object],
+    log: Callable[[str], object] | None,
+) -> Sewn:
+    """Writes a scene into a folder, and has the tool sew it there."""
+    _claim(folder, force)
+    tree, file = tree_of(text), folder / SCENE
+    scenes.name_wholly(tree, os.path.dirname(os.path.abspath(text.file)))
+    text = dataclasses.replace(text, text=scenes.as_text(tree, text.file))
+    scenes.put(text, file)
+    last = ""
+
+    def hear(line: str) -> None:
+        nonlocal last
+        last = line.replace(str(file), text.file)
+        if log:
+            log(last)
+        elif "note: " in last and "come to rest" not in last:  # `end` says it
+            warn(last)
+
+    status = tool.follow("sew", file, "--out", folder, *words, log=hear)
+    if status not in (0, 1) or not (folder / "sew.json").exists():
+        file.unlink(missing_ok=True)  # so that the folder can be used again
+        last = last.replace("--out", "folder").replace("--force", "force=True")
+        raise tool.failure(status, last or f"exit status {status}")
+    made = Sewn(folder)
+    if made.end == "diverged":
+        raise DivergedError(f"{text.file}: step {made.steps}: sewing diverged")
+    return made
+
+
+def _claim(folder: Path, force: bool) -> None:
+    """Makes a folder, or refuses one in which garments were sewn, before their scene
+    is written anew; what else a run leaves there the tool refuses."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in ("sew.json", SCENE):
+        if force:
+            (folder / name).unlink(missing_ok=True)
+        elif (folder / name).exists():
+            raise SceneError(
+                f"{folder}: holds {name}; give another folder, or force=True to "
+                "remove it"
+            )
+
+
+def _wrapped(pattern: scenes.SceneLike, given: Mapping[str, Any]) -> scenes.SceneLike:
+    """Returns the scene of a pattern and a body; a scene as it is."""
+    if not _is_pattern(pattern):
+        for key, value in given.items():
+            if value is not None:
+                raise SceneError(f"{key}: it is for a pattern; a scene has its own")
+        return pattern
+    file = Path(pattern)  # type: ignore[arg-type]
+    garment = scenes.Garment(
+        pattern=file, cell=given["cell"], material=given["material"]
+    )
+    return scenes.Scene(
+        name=file.stem,
+        frames=600,
+        garments=[garment],
+        obstacles=_bodies(given["body"]),
+    )
+
+
+def _is_pattern(pattern: scenes.SceneLike) -> bool:
+    """Whether this is the path of a pattern, not a scene; a file that is neither is
+    for the scenes' reader to refuse."""
+    if not isinstance(pattern, (str, os.PathLike)):
+        return False
+    return isinstance(tree_of(scenes.read(pattern)).get("pattern"), dict)
+
+
+def _bodies(body: Any) -> list[Any] | None:
+    """Returns the obstacles of a body."""
+    kinds = scenes.Obstacle, Mapping
+    if body is None or isinstance(body, kinds):
+        return body if body is None else [body]
+    if isinstance(body, (list, tuple)) and all(isinstance(b, kinds) for b in body):
+        return list(body)
+    return [scenes.Obstacle(name="body", mesh=body)]
