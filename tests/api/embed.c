@@ -12,7 +12,7 @@
 #include "tests/api/guest.h"
 #include "tests/world/scene.h"
 
-enum { SETTLE = 12, SETTLED = 40, SHORT = 3, LENT = 12, THREADS = 4 };
+enum { SETTLE = 12, SETTLED = 40, SHORT = 3, LENT = 12, LAND = 4, THREADS = 4 };
 
 static size_t planned(const drape_world *world)
 {
@@ -114,7 +114,7 @@ static const char *lend(int response)
         if (status == DRAPE_EDEVICE)
             return skip("there is no device");
         EXPECT(status == DRAPE_OK && drape_count(world, &a) == DRAPE_OK);
-        EXPECT(guest_go(world, SETTLE) == DRAPE_OK);
+        EXPECT(guest_go(world, LAND) == DRAPE_OK);
         EXPECT(drape_step(world, &r) == DRAPE_OK && r.contacts > 0);
         EXPECT(drape_count(world, &b) == DRAPE_OK);
         /* the front, contacts, their lists, and what is too large */

@@ -3,7 +3,7 @@
  * spec/contact/coulomb.md §3, spec/contact/lagrange.md */
 #include "tests/world/slab.h"
 
-enum { MOST = 4, STEPS = 24 };
+enum { MOST = 4, STEPS = 24, FEW = 6 };
 
 /* What the steps of a stack needed in all; contacts: of the last step. */
 struct effort {
@@ -13,7 +13,7 @@ struct effort {
 
 /* Sheets on a slab at rest, each shifted a little, so that vertices lie over
  * edges and faces. They start just apart and settle. */
-static const char *settle(int layers, int backend, struct effort *e)
+static const char *settle(int layers, int backend, int steps, struct effort *e)
 {
     struct slab d;
     drape_cloth cloth[MOST];
@@ -32,7 +32,7 @@ static const char *settle(int layers, int backend, struct effort *e)
     drape_world *world = slab_world(&d);
     EXPECT(world);
     *e = (struct effort){0};
-    for (int k = 0; k < STEPS; k++) {
+    for (int k = 0; k < steps; k++) {
         drape_step_report r;
         EXPECT(drape_step(world, &r) == DRAPE_OK && r.outcome == 0);
         e->iterations += r.iterations;
@@ -56,9 +56,9 @@ const char *test_stack_layers(void)
 {
     static const int some[] = {1, 2, MOST};
     const int particles = SLAB_SMALL * SLAB_SMALL;
-    struct effort e[3], on_device;
+    struct effort e[3], few[2];
     for (int k = 0; k < 3; k++) {
-        const char *failed = settle(some[k], DRAPE_REF, &e[k]);
+        const char *failed = settle(some[k], DRAPE_REF, STEPS, &e[k]);
         if (failed)
             return failed;
         EXPECT(e[k].rounds <= STEPS && e[k].slices == STEPS);
@@ -68,9 +68,11 @@ const char *test_stack_layers(void)
     EXPECT(e[0].iterations <= 4 * STEPS);
     EXPECT(e[1].iterations <= 12 * STEPS);
     EXPECT(e[2].iterations <= 24 * STEPS);
-    const char *failed = settle(2, DRAPE_GPU, &on_device);
-    if (failed)
-        return failed;
-    EXPECT(!memcmp(&on_device, &e[1], sizeof on_device));
+    for (int k = 0; k < 2; k++) { /* an emulated device is slow */
+        const char *failed = settle(2, k ? DRAPE_GPU : DRAPE_REF, FEW, &few[k]);
+        if (failed)
+            return failed;
+    }
+    EXPECT(few[0].contacts > 0 && !memcmp(&few[0], &few[1], sizeof few[0]));
     return NULL;
 }

@@ -48,6 +48,7 @@ static drape_world *make(const struct press *p, int backend)
 {
     struct slab d = p->d;
     d.def.backend = backend;
+    d.def.precond = DRAPE_JACOBI; /* emulated multigrid is slow */
     d.def.cloths = &p->d.cloth;
     d.def.obstacles = &p->d.obstacle;
     return slab_world(&d);
