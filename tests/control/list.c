@@ -8,7 +8,6 @@
 #include "gpu/run/gpu.h"
 #include "ref/api/handle.h"
 #include "ref/world/state.h"
-#include "tests/world/scene.h"
 #include "tests/world/slab.h"
 
 enum { SIDE = SLAB_SMALL, COUNT = SIDE * SIDE, BOX = 8, NV = COUNT + BOX };
@@ -294,7 +293,8 @@ static const char *check_excess(const drape_contact_list *l, double weight,
 }
 
 /* A sheet folds over the edge of a slab. */
-static const char *check_cone(int integrator, int backend, struct cones *s)
+static const char *check_cone(int integrator, int backend, int steps,
+                              struct cones *s)
 {
     struct slab d;
     const char *failed = NULL;
@@ -309,7 +309,8 @@ static const char *check_cone(int integrator, int backend, struct cones *s)
     EXPECT(world);
     double weight = 0.46 * 0.46 * d.cloth.material.density * 9.81 * d.def.dt;
     double fall = weight / d.def.dt * 0.46; /* J, of all from top to bottom */
-    for (int k = 0; k < 60 && !failed; k++) {
+    int64_t listed = 0;
+    for (int k = 0; k < steps && !failed; k++) {
         drape_contact_list l;
         drape_step_report r;
         double most = weight;
@@ -318,6 +319,7 @@ static const char *check_cone(int integrator, int backend, struct cones *s)
         for (int64_t j = 0; j < l.n; j++)
             most = fmax(most, size(l.contact[j].impulse));
         EXPECT(r.kinetic + r.elastic <= fall);
+        listed += l.n;
         failed = check_loads(world, &l, most);
         if (!failed && l.n > 0 && r.rounds <= 1 &&
             r.residual <= d.def.tolerance)
@@ -325,15 +327,17 @@ static const char *check_cone(int integrator, int backend, struct cones *s)
         ran(1);
     }
     drape_destroy(world);
+    EXPECT(failed || listed > 0);
     return failed;
 }
 
 const char *test_list_cone(void)
 {
     struct cones s = {0};
-    const char *failed = check_cone(DRAPE_BW, DRAPE_REF, &s);
-    failed = failed ? failed : check_cone(DRAPE_BW, DRAPE_GPU, &s);
-    failed = failed ? failed : check_cone(DRAPE_CK, DRAPE_REF, &s);
+    /* on a device what is read is elsewhere: the first contacts show that */
+    const char *failed = check_cone(DRAPE_BW, DRAPE_REF, 60, &s);
+    failed = failed ? failed : check_cone(DRAPE_BW, DRAPE_GPU, 8, &s);
+    failed = failed ? failed : check_cone(DRAPE_CK, DRAPE_REF, 60, &s);
     EXPECT(failed || (s.steps > 20 && s.steepest > 0.99 * 0.2));
     return failed;
 }
