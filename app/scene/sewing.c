@@ -24,8 +24,9 @@ static const double closed = 0.01, near = 0.5;
  * Cloth that is caught in an armpit is pressed by many times its weight, and
  * gaps beside it are to be below `closed`. */
 static const double rough = 10, fine = 0.1;
-/* At rest: no particle goes further, m, in this time, s. */
-static const double rest_way = 1e-3, rest_time = 1;
+/* At rest: but for this part of them, whose loose corners may sway on, no
+ * particle goes further, m, in this time, s. */
+static const double rest_but = 0.01, rest_way = 1e-3, rest_time = 1;
 /* A stage ends, too, if what is open becomes less by no more than this part in
  * this time, s. */
 static const double progress = 0.05, patience = 0.5;
@@ -310,10 +311,11 @@ static bool is_done(struct sewing *s)
 }
 
 /* Whether the garments have come to rest: from an anchor that is a while old,
- * which is set anew where a particle goes too far from it. */
+ * which is set anew where particles go too far from it. */
 static int find_rest(struct sewing *s)
 {
-    double most = 0, ramp = (double)RAMP * s->scene->steps_per_frame;
+    int64_t moving = 0;
+    double ramp = (double)RAMP * s->scene->steps_per_frame;
     if ((double)(s->steps - s->begun[SEWING_WORN]) < ramp)
         return APP_OK;
     int status = drape_read(s->world, s->x, NULL);
@@ -323,9 +325,9 @@ static int find_rest(struct sewing *s)
         double way[3];
         for (int i = 0; i < 3; i++)
             way[i] = s->x[k][i] - s->anchor[k][i];
-        most = fmax(most, length_of(way));
+        moving += length_of(way) > rest_way;
     }
-    if (s->anchored < 0 || most > rest_way) {
+    if (s->anchored < 0 || (double)moving > rest_but * (double)s->nc) {
         memcpy(s->anchor, s->x, (size_t)s->nc * sizeof *s->x);
         s->anchored = s->steps;
     }

@@ -46,7 +46,7 @@ struct sewing {
     double (*x)[3], (*v)[3];      /* [nv] */
     double (*anchor)[3];          /* [nv] m, where cloths were at ... */
     int64_t anchored;             /* ... this step; -1: none */
-    bool rest;                    /* worn, and no particle moves any more */
+    bool rest;                    /* worn, and nearly nothing moves any more */
     int32_t (*tri)[3], *group;    /* [nt] for audits */
     drape_cloth *cloth;           /* of the stage */
     drape_obstacle *obstacle;
