@@ -5,7 +5,7 @@
 #include "tests/panel/random.h"
 #include "tests/world/scene.h"
 
-enum { WORLDS = 9, PANEL = 7, STEPS = 10, CALLS = 2, EACH = STEPS / CALLS };
+enum { WORLDS = 9, PANEL = 7, STEPS = 6, CALLS = 2, EACH = STEPS / CALLS };
 
 /* Makes a world for each k: a sheet of one of two sizes that falls on a plate,
  * elsewhere for each k; one of an explicit integrator, one with block-Jacobi,
@@ -69,13 +69,14 @@ static const char *run(int threads, drape_step_report alone[WORLDS][STEPS],
 }
 
 /* Every world has the bits and the reports that it has alone, with one thread
- * of the host and with several. */
+ * of the host and with several; the same source in binary32 decides for one. */
 const char *test_together_bits(void)
 {
     static drape_step_report alone[WORLDS][STEPS];
     uint64_t hash[WORLDS];
-    for (int threads = 0; threads <= 3; threads++) {
-        const char *failed = run(threads, alone, hash);
+    static const int some[] = {0, 3, 1};
+    for (int k = 0; k < (REAL_BITS == 64 ? 2 : 3); k++) {
+        const char *failed = run(some[k], alone, hash);
         if (failed)
             return failed;
         ran(1);

@@ -8,6 +8,7 @@
 #include "gpu/run/gpu.h"
 #include "ref/api/handle.h"
 #include "ref/world/state.h"
+#include "tests/world/scene.h"
 #include "tests/world/slab.h"
 
 enum { SIDE = SLAB_SMALL, COUNT = SIDE * SIDE, BOX = 8, NV = COUNT + BOX };
@@ -181,7 +182,8 @@ static const char *check_fall(int integrator, int backend, int newton,
     drape_world *world = slab_world(&d);
     EXPECT(world);
     const char *failed = NULL;
-    for (int k = 0; k < 16 && !failed; k++) {
+    int steps = backend ? 6 : 16; /* an emulated device is slow */
+    for (int k = 0; k < steps && !failed; k++) {
         drape_step_report r;
         EXPECT(keeps(world, &d.cloth, k > 0, p[0]) == DRAPE_OK);
         EXPECT(drape_step(world, &r) == DRAPE_OK);
@@ -192,7 +194,7 @@ static const char *check_fall(int integrator, int backend, int newton,
                             &pressed, &sharp);
     }
     drape_destroy(world);
-    EXPECT(failed || (sharp > 8 && pressed > 0 && most > 1));
+    EXPECT(failed || (sharp > steps / 2 && pressed > 0 && most > 1));
     return failed;
 }
 
@@ -203,8 +205,9 @@ const char *test_list_momentum(void)
     /* as many solves as BDF2's motion needs: what Newton's method leaves is
      * momentum, too */
     for (int k = 0; k < 8 && !failed; k++)
-        failed =
-            check_fall(some[k / 2], k % 2, (int[]){0, 3, 0, 16}[k / 2], false);
+        if (!scene_left_out(some[k / 2], k % 2))
+            failed = check_fall(some[k / 2], k % 2, (int[]){0, 3, 0, 16}[k / 2],
+                                false);
     for (int k = 0; k < 2 && !failed; k++)
         failed = check_fall(DRAPE_BW, k, 0, true);
     return failed;
