@@ -19,11 +19,11 @@ import tempfile
 # particle in the last step, at most a tenth above what they were on 2026-11-29.
 COUNTS = ["iterations", "solves", "rounds", "slices", "contacts a particle"]
 SCENES = {
-    "layers_2": (31, 32, 40, (2760, 427, 37, 44, 0.67)),
-    "layers_8": (31, 32, 20, (1815, 321, 21, 22, 0.6)),
-    "funnel_540k": (31, 32, 20, (2365, 677, 52, 88, 0.93)),
-    "ball_past": (41, 32, 60, (1510, 351, 53, 66, 0.1)),
-    "ball_stops": (41, 32, 40, (1810, 294, 54, 44, 0.1)),
+    "layers_2": (31, 32, 40, (2665, 414, 35, 44, 0.67)),
+    "layers_8": (31, 32, 20, (1985, 332, 26, 22, 0.75)),
+    "funnel_540k": (31, 32, 20, (2400, 680, 52, 88, 0.93)),
+    "ball_past": (41, 32, 60, (1505, 351, 61, 66, 0.1)),
+    "ball_stops": (41, 32, 40, (1990, 306, 57, 44, 0.1)),
 }
 
 

@@ -125,29 +125,30 @@ static __device__ bool stands_for_points(const struct proximity *s, int kind,
     return closest_point_is_first_at(&s->one_rings, &f, v + 1, v[0]);
 }
 
-/* §3, §3.5: n·Σ c x at the start of the slice. */
-static __device__ double start_gap(const struct proximity *s,
-                                   const int32_t v[4], struct wide n,
-                                   const struct closest *r)
+/* §3, §3.5: Σ c x at the start of the slice. */
+static __device__ struct wide start_vector(const struct proximity *s,
+                                           const int32_t v[4],
+                                           const struct closest *r)
 {
     if (!s->n_from)
-        return dot(n, r->p);
+        return r->p;
     struct wide first = widen(s->from[v[0]]), p = wide3(0, 0, 0);
     for (int j = 0; j < 4; j++)
         p = axpy(p, r->c[j], sub(widen(s->from[v[j]]), first));
-    return dot(n, p);
+    return p;
 }
 
-/* §3.5: whether the pair comes nearer, from the side on which it ends, by more
- * than what the range leaves to the pairs that are contacts already. */
+/* §3.5: whether the pair comes nearer, from beyond the range and from the side
+ * on which it ends. */
 static __device__ bool arrives(const struct proximity *s, const int32_t v[4],
                                struct wide n, const struct closest *r)
 {
     if (!s->n_from)
         return true;
-    double gap = start_gap(s, v, n, r);
-    real spare = (s->range - 1) * surface_of(&s->surfaces, v).thickness;
-    return gap >= 0 && gap - dot(n, r->p) > (double)spare;
+    struct wide p = start_vector(s, v, r);
+    double gap = dot(n, p);
+    real least = s->range * surface_of(&s->surfaces, v).thickness;
+    return gap >= 0 && gap > dot(n, r->p) && sqrt(dot(p, p)) >= (double)least;
 }
 
 static __device__ bool is_close(const struct proximity *s, int64_t k)
@@ -186,7 +187,7 @@ static __device__ void emit_contact(const struct proximity *s, int64_t k,
     nearest_weights(&r, kind, c.c);
     find_normal(s, kind, c.v, x, &r, &n);
     c.n = narrowed(n);
-    c.gap = (real)start_gap(s, c.v, n, &r);
+    c.gap = (real)dot(n, start_vector(s, c.v, &r));
     c.friction = surface.friction;
     c.target = push_target(s, &c, max_of(surface.thickness - c.gap, R(0)));
     clear_contact(&c);

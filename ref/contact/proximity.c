@@ -109,17 +109,17 @@ static bool stands_for_points(const struct proximity *s, int64_t k,
     return closest_point_is_first(&s->one_rings, &f, v + 1, v[0]);
 }
 
-/* §3, §3.5: n·Σ c x at the start of the slice. */
-static double start_gap(const struct proximity *s, int64_t k, struct wide n,
-                        const struct closest *r)
+/* §3, §3.5: Σ c x at the start of the slice. */
+static struct wide start_vector(const struct proximity *s, int64_t k,
+                                const struct closest *r)
 {
     const int32_t *v = s->pair + 4 * k;
     if (!s->n_from)
-        return wide_dot(n, r->p);
+        return r->p;
     struct wide first = wide_of(s->from[v[0]]), p = wide_make(0, 0, 0);
     for (int j = 0; j < 4; j++)
         p = wide_axpy(p, r->c[j], wide_sub(wide_of(s->from[v[j]]), first));
-    return wide_dot(n, p);
+    return p;
 }
 
 static real thickness_of(const struct proximity *s, int64_t k)
@@ -127,16 +127,18 @@ static real thickness_of(const struct proximity *s, int64_t k)
     return surfaces_pair(&s->surfaces, s->pair + 4 * k).thickness;
 }
 
-/* §3.5: whether the pair comes nearer, from the side on which it ends, by more
- * than what the range leaves to the pairs that are contacts already. */
+/* §3.5: whether the pair comes nearer, from beyond the range and from the side
+ * on which it ends. */
 static bool arrives(const struct proximity *s, int64_t k, struct wide n,
                     const struct closest *r)
 {
     if (!s->n_from)
         return true;
-    double gap = start_gap(s, k, n, r);
-    real spare = (s->range - 1) * thickness_of(s, k);
-    return gap >= 0 && gap - wide_dot(n, r->p) > (double)spare;
+    struct wide p = start_vector(s, k, r);
+    double gap = wide_dot(n, p);
+    real least = s->range * thickness_of(s, k);
+    return gap >= 0 && gap > wide_dot(n, r->p) &&
+           sqrt(wide_dot(p, p)) >= (double)least;
 }
 
 /* The distance within which the pair is a contact. */
@@ -178,7 +180,7 @@ static void emit_contact(const struct proximity *s, int64_t k,
     closest_weights(&r, s->kind[k], c->c);
     find_normal(s, k, x, &r, &n);
     c->n = wide_round(n);
-    c->gap = (real)start_gap(s, k, n, &r);
+    c->gap = (real)wide_dot(n, start_vector(s, k, &r));
     c->friction = surface.friction;
     c->target = push_target(s, c, real_max(surface.thickness - c->gap, 0));
     contact_clear(c);

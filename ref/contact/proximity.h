@@ -20,7 +20,7 @@ struct proximity {
     real dt;                    /* s, > 0 */
     real stiffness;             /* N/m, ≥ 0, of the repulsion spring, §4 */
     real range; /* > 0: pairs nearer than so many times their thickness are
-                   contacts; of those that arrive, what was a contact already */
+                   contacts; pairs that arrive were not so near at the start */
 
     int32_t *at;             /* scratch: [n] */
     int64_t cap;             /* capacity of contact, items */

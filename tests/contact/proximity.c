@@ -487,14 +487,15 @@ static real thickness_of(const struct proximity *s, int64_t k)
     return surfaces_pair(&s->surfaces, s->pair + 4 * k).thickness;
 }
 
-/* §3.5: by how much a pair that arrives comes nearer, at least. */
-static double spare_of(const struct proximity *s, int64_t k)
+/* §3.5: how far the points of a pair that arrives are apart at the start, at
+ * least. */
+static double start_range(const struct proximity *s, int64_t k)
 {
-    return (double)((s->range - 1) * thickness_of(s, k));
+    return (double)(s->range * thickness_of(s, k));
 }
 
 /* §3.5: whether a pair whose normal is along p surely comes nearer, from the
- * side on which it ends, and far enough. */
+ * side on which it ends and from far enough. */
 static bool surely_arrives(const struct proximity *s, int64_t k,
                            const struct wide x[4])
 {
@@ -507,7 +508,8 @@ static bool surely_arrives(const struct proximity *s, int64_t k,
     if (!(d > 0x1p-39 * size_of(x)))
         return false; /* §3.1: n need not be along p */
     double gap = wide_dot(p, r.p) / d;
-    return gap > room + lost && gap - d > spare_of(s, k) + room + lost;
+    return gap > room + lost && gap > d + room + lost &&
+           length(p) > start_range(s, k) + room + lost;
 }
 
 /* n·Σ c x. */
@@ -519,7 +521,8 @@ static double end_gap(const struct contact *c, const struct wide x[4])
     return gap;
 }
 
-/* §3.5: the gap of a contact is that of the start, and larger by enough. */
+/* §3.5: the gap of a contact is that of the start, and it was larger; its
+ * points were beyond the range. */
 static const char *check_arrival(const struct proximity *s, int64_t k,
                                  const struct contact *c,
                                  const struct wide x[4])
@@ -529,7 +532,11 @@ static const char *check_arrival(const struct proximity *s, int64_t k,
     double gap = end_gap(c, from), end = end_gap(c, x);
     double room = 0x1p-19 * (size_of(x) + size_of(from)) + lost;
     EXPECT(c->gap >= 0 && fabs(gap - (double)c->gap) <= room);
-    EXPECT(gap - end >= spare_of(s, k) - room);
+    EXPECT(end <= gap + room);
+    struct wide p = wide_make(0, 0, 0);
+    for (int j = 0; j < 4; j++)
+        p = wide_axpy(p, (double)c->c[j], wide_sub(from[j], from[0]));
+    EXPECT(length(p) >= start_range(s, k) - room);
     return NULL;
 }
 

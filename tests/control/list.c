@@ -295,7 +295,11 @@ static const char *check_excess(const drape_contact_list *l, double weight,
     return NULL;
 }
 
-/* A sheet folds over the edge of a slab. */
+/* A sheet falls and folds over the edge of a slab, and may slide off. However
+ * low it comes, all of its energy is at most what it starts with. Backward
+ * Euler loses more than slices gain. Choi–Ko does not: there the springs may
+ * hold for a step what its slice left undone, four times the kinetic energy of
+ * the step's start at most (lagrange.md §4). */
 static const char *check_cone(int integrator, int backend, int steps,
                               struct cones *s)
 {
@@ -311,7 +315,9 @@ static const char *check_cone(int integrator, int backend, int steps,
     drape_world *world = slab_world(&d);
     EXPECT(world);
     double weight = 0.46 * 0.46 * d.cloth.material.density * 9.81 * d.def.dt;
-    double fall = weight / d.def.dt * 0.46; /* J, of all from top to bottom */
+    double centre = d.cloth.origin[1] + d.cloth.u[1] * 0.46 / 2;
+    double start = weight / d.def.dt * centre; /* J, at rest */
+    double before = 0;                         /* J, kinetic */
     int64_t listed = 0;
     for (int k = 0; k < steps && !failed; k++) {
         drape_contact_list l;
@@ -321,8 +327,10 @@ static const char *check_cone(int integrator, int backend, int steps,
         EXPECT(drape_contacts(world, &l) == DRAPE_OK);
         for (int64_t j = 0; j < l.n; j++)
             most = fmax(most, size(l.contact[j].impulse));
-        EXPECT(r.kinetic + r.elastic <= fall);
         listed += l.n;
+        double above = r.kinetic + r.elastic + r.potential - start;
+        EXPECT(above <= (integrator == DRAPE_BW ? 0 : 4 * before));
+        before = r.kinetic;
         failed = check_loads(world, &l, most);
         if (!failed && l.n > 0 && r.rounds <= 1 &&
             r.residual <= d.def.tolerance)
