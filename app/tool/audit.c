@@ -2,6 +2,7 @@
 /* drape audit: intersecting triangle pairs, counted by exact predicates. */
 #include "app/base/file.h"
 #include "app/read/json.h"
+#include "app/scene/scene.h"
 #include "app/tool/options.h"
 #include "app/write/output.h"
 
@@ -50,43 +51,117 @@ static int append_file(struct merged *all, const char *path, int group)
     return status == APP_OK ? append(all, &mesh, group) : status;
 }
 
-static int list_pairs(const drape_mesh *mesh, int64_t found)
+/* The world of a run with seams, which tells the pairs that they join. */
+struct seams {
+    char file[FILE_PATH]; /* of the scene; empty: it has no garments */
+    struct scene scene;
+    drape_world *world; /* NULL: there are no seams */
+};
+
+/* Names the scene of a run: what `drape sew` leaves beside its frames, or the
+ * file that the report names. */
+static bool name_scene(struct seams *seams, const char *directory,
+                       const char *reported)
 {
-    int64_t again, degenerate;
-    int32_t(*pair)[2] = malloc((size_t)found * sizeof *pair);
-    if (!pair)
-        return complain(APP_FAILED, "audit: out of memory");
-    int status = drape_audit(mesh, found, pair, &again, &degenerate);
-    for (int64_t k = 0; status == DRAPE_OK && k < found; k++)
-        printf("%d %d\n", (int)pair[k][0], (int)pair[k][1]);
-    free(pair);
-    return status == DRAPE_OK
-               ? APP_OK
-               : complain(APP_FAILED, "audit: %s", drape_status_text(status));
+    if (!file_join(seams->file, directory, "sewn.json"))
+        return false;
+    if (!file_exists(seams->file))
+        snprintf(seams->file, sizeof seams->file, "%s",
+                 reported ? reported : "");
+    json_t *root = file_exists(seams->file) ? json_parse(seams->file) : NULL;
+    if (!json_object_get(root, "garments"))
+        *seams->file = 0;
+    json_decref(root);
+    return true;
+}
+
+static int open_seams(struct seams *seams)
+{
+    struct overrides none = {"ref", -1, -1, -1, 0};
+    bool quiet = app_quiet;
+    if (!*seams->file || seams->world)
+        return APP_OK;
+    app_quiet = true; /* notes on the pattern are no news */
+    int status = scene_load(&seams->scene, seams->file);
+    app_quiet = quiet;
+    seams->scene.def.allow_intersecting = 1;
+    if (status == APP_OK)
+        status = scene_create(&seams->scene, &none, &seams->world);
+    return status;
+}
+
+static void close_seams(struct seams *seams)
+{
+    drape_destroy(seams->world);
+    scene_free(&seams->scene);
+}
+
+struct findings {
+    int64_t found, sewn, degenerate; /* sewn: those that a seam joins */
+    int32_t (*pair)[2];              /* [found] */
+};
+
+/* Puts the pairs that a seam joins last, and counts them apart. */
+static void part_sewn(struct findings *f, const drape_world *world)
+{
+    for (int64_t k = 0; k < f->found;) {
+        if (drape_are_sewn(world, f->pair[k][0], f->pair[k][1]) != 1) {
+            k++;
+            continue;
+        }
+        f->found--;
+        f->sewn++;
+        memmove(f->pair[k], f->pair[k + 1],
+                (size_t)(f->found - k) * sizeof *f->pair);
+    }
+}
+
+/* seams: NULL where there can be none. */
+static int find_pairs(const drape_mesh *mesh, struct seams *seams,
+                      struct findings *f)
+{
+    int status = drape_audit(mesh, 0, NULL, &f->found, &f->degenerate);
+    if (status == DRAPE_OK && f->found) {
+        f->pair = malloc((size_t)f->found * sizeof *f->pair);
+        if (!f->pair)
+            return no_memory();
+        status =
+            drape_audit(mesh, f->found, f->pair, &f->found, &f->degenerate);
+    }
+    if (status != DRAPE_OK)
+        return complain(APP_FAILED, "audit: %s", drape_status_text(status));
+    if (!f->found || !seams)
+        return APP_OK;
+    status = open_seams(seams);
+    if (status == APP_OK && seams->world &&
+        drape_triangles(seams->world) == mesh->nt)
+        part_sewn(f, seams->world);
+    return status;
 }
 
 /* Audits, and prints the result in one line that begins with `name`; quiet:
  * prints only if pairs were found. */
 static int audit(const struct merged *all, const char *name, int list,
-                 bool quiet, int64_t *found)
+                 bool quiet, struct seams *seams, struct findings *f)
 {
-    int64_t degenerate;
     drape_mesh mesh = {.nv = all->mesh.nv,
                        .nt = all->mesh.nt,
                        .x = (const double(*)[3])all->mesh.x,
                        .tri = (const int32_t(*)[3])all->mesh.tri,
                        .group = all->group};
-    int status = drape_audit(&mesh, 0, NULL, found, &degenerate);
-    if (status != DRAPE_OK)
-        return complain(APP_FAILED, "%s: %s", name, drape_status_text(status));
-    if (!quiet || *found) {
+    int status = find_pairs(&mesh, seams, f);
+    if (status == APP_OK && (!quiet || f->found)) {
         printf("%s: %" PRId64 " triangles, %" PRId64 " intersecting pairs",
-               name, all->mesh.nt, *found);
-        if (degenerate)
-            printf(", %" PRId64 " degenerate triangles", degenerate);
+               name, all->mesh.nt, f->found);
+        if (f->degenerate)
+            printf(", %" PRId64 " degenerate triangles", f->degenerate);
         printf("\n");
     }
-    return list && *found ? list_pairs(&mesh, *found) : APP_OK;
+    for (int64_t k = 0; status == APP_OK && list && k < f->found; k++)
+        printf("%d %d\n", (int)f->pair[k][0], (int)f->pair[k][1]);
+    free(f->pair);
+    f->pair = NULL;
+    return status;
 }
 
 /* A run's bodies by its report, and the obstacles' files in its folder. */
@@ -97,6 +172,7 @@ struct run {
     int64_t cloth, all;         /* numbers of vertices by the report */
     char names[512];            /* of the obstacles */
     bool moving, still, listed; /* files of obstacles; list the pairs */
+    struct seams seams;
 };
 
 static int64_t get_count(json_t *node, const char *name)
@@ -148,7 +224,11 @@ static int look(struct run *run)
     if (run->reported && !root)
         return APP_USAGE;
     read_bodies(run, root);
+    bool named = name_scene(&run->seams, run->directory,
+                            json_string_value(json_object_get(root, "file")));
     json_decref(root);
+    if (!named)
+        return APP_USAGE;
     if (run->reported || run->moving || run->still)
         return APP_OK;
     return complain(APP_USAGE,
@@ -201,7 +281,7 @@ static int load_frame(struct merged *all, const struct run *run, int k)
     return load_obstacles(all, run, k);
 }
 
-static int audit_frame(const struct run *run, int k, int64_t *found)
+static int audit_frame(struct run *run, int k, struct findings *f)
 {
     char path[FILE_PATH];
     struct merged all = {0};
@@ -209,14 +289,14 @@ static int audit_frame(const struct run *run, int k, int64_t *found)
         return APP_USAGE;
     int status = load_frame(&all, run, k);
     if (status == APP_OK)
-        status = audit(&all, path, run->listed, true, found);
+        status = audit(&all, path, run->listed, true, &run->seams, f);
     pool_free(&all.pool);
     return status;
 }
 
 static int audit_run(const char *directory, int list)
 {
-    int64_t sum = 0, bad = 0;
+    int64_t sum = 0, bad = 0, sewn = 0;
     int count;
     struct run run = {.directory = directory, .listed = list};
     int *frame = output_frames(directory, &count);
@@ -224,33 +304,39 @@ static int audit_run(const char *directory, int list)
         return APP_USAGE;
     int status = look(&run);
     for (int k = 0; k < count && status == APP_OK; k++) {
-        int64_t found = 0;
-        status = audit_frame(&run, frame[k], &found);
-        sum += found;
-        bad += found > 0;
+        struct findings f = {0};
+        status = audit_frame(&run, frame[k], &f);
+        sum += f.found;
+        bad += f.found > 0;
+        sewn += f.sewn;
     }
     free(frame);
+    close_seams(&run.seams);
     if (status != APP_OK)
         return status;
     printf("%s: %d frames, %" PRId64 " of them with intersecting pairs, "
-           "%" PRId64 " pairs\n",
+           "%" PRId64 " pairs",
            directory, count, bad, sum);
+    if (sewn)
+        printf("; %" PRId64 " that a seam joins", sewn);
+    printf("\n");
     return sum ? APP_FINDINGS : APP_OK;
 }
 
 static int audit_meshes(int count, char **path, const char *obstacle, int list)
 {
     struct merged all = {0};
-    int64_t found = 0;
+    struct findings f = {0};
     int status = APP_OK;
     for (int k = 0; k < count && status == APP_OK; k++)
         status = append_file(&all, path[k], k + 1);
     if (status == APP_OK && obstacle)
         status = append_file(&all, obstacle, 0);
     if (status == APP_OK)
-        status = audit(&all, count > 1 ? "all" : path[0], list, false, &found);
+        status =
+            audit(&all, count > 1 ? "all" : path[0], list, false, NULL, &f);
     pool_free(&all.pool);
-    return status == APP_OK && found ? APP_FINDINGS : status;
+    return status == APP_OK && f.found ? APP_FINDINGS : status;
 }
 
 /* Whether a file is of a format that the Python package alone reads. */

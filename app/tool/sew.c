@@ -308,6 +308,7 @@ static int finish(struct sew *sew, int code)
     struct totals totals;
     struct sewing *s = &sew->sewing;
     report_sum(&sew->report, &totals);
+    sew->scene.def = s->whole; /* not the last stage's */
     const char *end = code == APP_INTERRUPTED ? "interrupted"
                       : code == APP_FINDINGS  ? "diverged"
                       : s->rest               ? "at rest"

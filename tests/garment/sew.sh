@@ -82,14 +82,26 @@ assert ($1), sew['seams']"
 }
 cp "$root/app/patterns/tee.json" .
 sed 's/"cell": 0.01/"cell": 0.03/' "$root/app/patterns/worn.json" >worn.json
-exits 'a T-shirt is sewn on a body' 0 sew worn.json --no-picture --out shirt
-is 'and comes to rest' grep -q 'at rest; 10 of 10' out
+halves '
+pattern["stitches"] = [[{"panel": "left", "edge": 1}, {"panel": "right", "edge": 3}]]
+for p in (left, right): p["rotation"] = [90, 0, 0]'
+echo '{"frames": 400, "obstacles": [{"shape": "plane"}], "garments":
+    [{"pattern": "halves.json", "cell": 0.01, "at": [0, 0.05, 0]}]}' >floor.json
+exits 'what is sewn above a floor' 0 sew floor.json --no-picture --out floor
+is 'comes to rest on it' grep -q 'at rest; 1 of 1 seams closed; 0 pairs' out
+halves ''
+exits 'a T-shirt is sewn on a body' 0 sew worn.json --frames 120 --no-picture --out shirt
 is 'all its seams are closed' closed '
 all(s["closed"] and s["gap_cells"] < 0.01 for s in sew["seams"])'
 is 'nothing crosses in any frame' closed '
 len(sew["frames"]) == sew["steps"] + 1 and not any(f["pairs"] for f in sew["frames"])'
+exits 'an audit of its frames' 0 audit shirt
+is 'counts apart what a seam joins' grep -qE \
+    ' 0 of them with intersecting pairs, 0 pairs; [0-9]+ that a seam joins' out
 is 'nothing is stretched' sh -c '! grep -q "is stretched" err'
 exits 'and goes on as a scene' 0 run shirt/sewn.json --frames 2 --out on
+exits 'an audit of a run by its report' 0 audit on
+is 'knows the seams, too' grep -q 'that a seam joins' out
 refused 'a garment that is not sewn' 'is not sewn yet: `drape sew` sews it' \
     run worn.json --out refused
 # a plate between front and back, wider than both
