@@ -41,7 +41,7 @@ class Seam:
         gap: m, the largest; gap_cells: as a part of a cell
         pull: N/m, the largest
         waiting: points that pull as hard as they may
-        closed: the step after which all gaps were below 5 % of a cell; None: it is
+        closed: the step after which all gaps were below 1 % of a cell; None: it is
             open
     """
 
