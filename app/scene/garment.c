@@ -167,8 +167,8 @@ static bool lay_panel(struct garment *g, struct garment_panel *p)
  * short, whose middle would be another place. */
 static bool may_close(const struct garment_panel *p, int place, double h)
 {
-    int before = (place + p->edges - 1) % p->edges;
-    int after = (place + 1) % p->edges;
+    int before = place > 0 ? place - 1 : p->edges - 1;
+    int after = place + 1 < p->edges ? place + 1 : 0;
     return p->edges > 3 && curve_length(&p->curve[before]) >= h &&
            curve_length(&p->curve[after]) >= h;
 }

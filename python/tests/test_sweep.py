@@ -33,7 +33,7 @@ LONG = {
     "name": "long",
     "cloths": [{"particles": [61, 61], "start": {"at": [0, 0.5, 0]}}],
     "obstacles": [{"shape": "sphere", "radius": 0.3, "detail": 24}],
-    "frames": 24,
+    "frames": 48,  # long enough to be killed on a fast machine
 }
 
 
