@@ -17,7 +17,9 @@ static void put_chords(struct outline *o, int edge, int count)
     }
 }
 
-/* How many of the longest chords are moved, where an edge is closed up. */
+/* Over how many of the longest chords an outline is moved where an edge is
+ * closed up: an edge of length l then changes the area by 2 l chords at most.
+ */
 enum { PULLED = 4 };
 
 static double cross(const double a[2], const double b[2])

@@ -24,7 +24,7 @@ struct outline {
 
 /* Makes the chords, each within `error` of its curve and at most `longest`.
  * Where an edge does not begin where the one before ends, as an edge between
- * them is closed up, both are drawn to the middle, by less and less over PULLED
+ * them is closed up, both are drawn to the middle, by less and less over four
  * times `longest`. false: no memory. outline_free gives back what it holds. */
 bool outline_make(struct outline *outline, const struct curve *edge, int edges,
                   double error, double longest);

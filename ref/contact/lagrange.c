@@ -25,10 +25,10 @@ static const real SLOPE = R(0.1); /* §3.2: of the slope at a step's start, what
                                      a line search may leave */
 static const real GROSS = 2;      /* §4: of what cloths carry, what linear
                                      springs may leave undone */
-static const real ANEW = R(0.05); /* §3.4: of the same, what a slice may leave
+static const real UNDONE = R(0.05); /* §3.4: of the same, what a slice may leave
                                      undone */
-static const real EARTH = R(9.81); /* §3.4: m/s², the least g of the scale */
-static const real STRUCK = R(0.5); /* §5: of g dt */
+static const real EARTH = R(9.81);  /* §3.4: m/s², the least g of the scale */
+static const real STRUCK = R(0.5);  /* §5: of g dt */
 static const real COLUMN_MODULUS = R(1e4); /* Pa, coulomb.md §1: the modulus of
                                      cloth across its thickness */
 
@@ -500,11 +500,11 @@ static bool needs_linearisation(struct loop *s)
  * carry, of which what gravity does is the least and is known. */
 static real bound_end(struct loop *s, real enough)
 {
-    if (enough <= ANEW * s->least)
+    if (enough <= UNDONE * s->least)
         return enough;
     if (s->carried == 0)
         s->carried = find_carried(s);
-    return real_min(enough, ANEW * s->carried);
+    return real_min(enough, UNDONE * s->carried);
 }
 
 /* §3: false where the loop ends. */
@@ -516,7 +516,7 @@ static bool iterate_loop(struct loop *s)
     weigh_residuals(s);
     real tight = (real)s->w->def.tolerance * s->scale;
     real enough = a->newton || a->solves < SOLVES ? tight : LATE * tight;
-    enough = loose ? ANEW * s->carried : bound_end(s, enough);
+    enough = loose ? UNDONE * s->carried : bound_end(s, enough);
     bool last = a->solves >= s->most;
     bool solved = !loose || s->moved || s->met <= tight;
     bool done = solved && s->outer <= enough;
