@@ -356,31 +356,58 @@ int sewing_step(struct sewing *sewing, drape_step_report *report)
     return status;
 }
 
+int crossings_find(const drape_mesh *mesh, struct crossings *crossings)
+{
+    struct crossings *c = crossings;
+    *c = (struct crossings){0};
+    int status = drape_audit(mesh, 0, NULL, &c->found, &c->degenerate);
+    if (status == DRAPE_OK && c->found) {
+        c->pair = malloc((size_t)c->found * sizeof *c->pair);
+        if (!c->pair)
+            return no_memory();
+        status =
+            drape_audit(mesh, c->found, c->pair, &c->found, &c->degenerate);
+    }
+    return status == DRAPE_OK
+               ? APP_OK
+               : complain(APP_FAILED, "audit: %s", drape_status_text(status));
+}
+
+void crossings_part(struct crossings *crossings, const drape_world *world)
+{
+    int64_t kept = 0;
+    for (int64_t k = 0; crossings->pair && k < crossings->found; k++) {
+        const int32_t *pair = crossings->pair[k];
+        if (drape_are_sewn(world, pair[0], pair[1]) != 1)
+            memmove(crossings->pair[kept++], pair, sizeof *crossings->pair);
+    }
+    crossings->sewn = crossings->found - kept;
+    crossings->found = kept;
+}
+
+void crossings_free(struct crossings *crossings)
+{
+    free(crossings->pair);
+    crossings->pair = NULL;
+}
+
 int sewing_audit(struct sewing *sewing, int64_t *pairs, int64_t *sewn)
 {
-    int status = drape_read(sewing->world, sewing->x, NULL);
+    int known = drape_read(sewing->world, sewing->x, NULL);
     const drape_mesh mesh = {.nv = sewing->nv,
                              .nt = sewing->nt,
                              .x = (const double(*)[3])sewing->x,
                              .tri = (const int32_t(*)[3])sewing->tri,
                              .group = sewing->group,
                              .threads = sewing->whole.threads};
-    int64_t found = 0, room = 0;
-    int32_t(*pair)[2] = NULL;
-    *pairs = *sewn = 0;
-    if (status == DRAPE_OK)
-        status = drape_audit(&mesh, 0, NULL, &found, NULL);
-    if (status == DRAPE_OK && found) {
-        room = found;
-        pair = malloc((size_t)room * sizeof *pair);
-        status =
-            pair ? drape_audit(&mesh, room, pair, &found, NULL) : DRAPE_ENOMEM;
-    }
-    for (int64_t k = 0; k < room && status == DRAPE_OK; k++) {
-        bool is = drape_are_sewn(sewing->world, pair[k][0], pair[k][1]) == 1;
-        *sewn += is;
-        *pairs += !is;
-    }
-    free(pair);
-    return status == DRAPE_OK ? APP_OK : failed("an audit", status);
+    struct crossings c = {0};
+    if (known != DRAPE_OK)
+        return failed("the state", known);
+    int status = crossings_find(&mesh, &c);
+    if (status == APP_OK)
+        crossings_part(&c, sewing->world);
+    *pairs = c.found;
+    *sewn = c.sewn;
+    crossings_free(&c);
+    return status;
 }

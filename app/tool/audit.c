@@ -2,7 +2,7 @@
 /* drape audit: intersecting triangle pairs, counted by exact predicates. */
 #include "app/base/file.h"
 #include "app/read/json.h"
-#include "app/scene/scene.h"
+#include "app/scene/sewing.h"
 #include "app/tool/options.h"
 #include "app/write/output.h"
 
@@ -75,19 +75,26 @@ static bool name_scene(struct seams *seams, const char *directory,
     return true;
 }
 
-static int open_seams(struct seams *seams)
+/* Makes the world where pairs are found first. */
+static bool open_seams(struct seams *seams)
 {
     struct overrides none = {"ref", -1, -1, -1, 0};
     bool quiet = app_quiet;
     if (!*seams->file || seams->world)
-        return APP_OK;
+        return seams->world;
     app_quiet = true; /* notes on the pattern are no news */
     int status = scene_load(&seams->scene, seams->file);
     app_quiet = quiet;
     seams->scene.def.allow_intersecting = 1;
     if (status == APP_OK)
         status = scene_create(&seams->scene, &none, &seams->world);
-    return status;
+    if (status != APP_OK) {
+        complain(APP_OK,
+                 "note: %s tells no seams, so pairs that they join count",
+                 seams->file);
+        *seams->file = 0;
+    }
+    return seams->world;
 }
 
 static void close_seams(struct seams *seams)
@@ -96,53 +103,22 @@ static void close_seams(struct seams *seams)
     scene_free(&seams->scene);
 }
 
-struct findings {
-    int64_t found, sewn, degenerate; /* sewn: those that a seam joins */
-    int32_t (*pair)[2];              /* [found] */
-};
-
-/* Puts the pairs that a seam joins last, and counts them apart. */
-static void part_sewn(struct findings *f, const drape_world *world)
-{
-    for (int64_t k = 0; k < f->found;) {
-        if (drape_are_sewn(world, f->pair[k][0], f->pair[k][1]) != 1) {
-            k++;
-            continue;
-        }
-        f->found--;
-        f->sewn++;
-        memmove(f->pair[k], f->pair[k + 1],
-                (size_t)(f->found - k) * sizeof *f->pair);
-    }
-}
-
-/* seams: NULL where there can be none. */
+/* Finds the pairs of a mesh. seams: NULL where there can be none. */
 static int find_pairs(const drape_mesh *mesh, struct seams *seams,
-                      struct findings *f)
+                      struct crossings *c)
 {
-    int status = drape_audit(mesh, 0, NULL, &f->found, &f->degenerate);
-    if (status == DRAPE_OK && f->found) {
-        f->pair = malloc((size_t)f->found * sizeof *f->pair);
-        if (!f->pair)
-            return no_memory();
-        status =
-            drape_audit(mesh, f->found, f->pair, &f->found, &f->degenerate);
-    }
-    if (status != DRAPE_OK)
-        return complain(APP_FAILED, "audit: %s", drape_status_text(status));
-    if (!f->found || !seams)
-        return APP_OK;
-    status = open_seams(seams);
-    if (status == APP_OK && seams->world &&
-        drape_triangles(seams->world) == mesh->nt)
-        part_sewn(f, seams->world);
-    return status;
+    int status = crossings_find(mesh, c);
+    if (status != APP_OK || !c->found || !seams)
+        return status;
+    if (open_seams(seams) && drape_triangles(seams->world) == mesh->nt)
+        crossings_part(c, seams->world);
+    return APP_OK;
 }
 
 /* Audits, and prints the result in one line that begins with `name`; quiet:
  * prints only if pairs were found. */
 static int audit(const struct merged *all, const char *name, int list,
-                 bool quiet, struct seams *seams, struct findings *f)
+                 bool quiet, struct seams *seams, struct crossings *f)
 {
     drape_mesh mesh = {.nv = all->mesh.nv,
                        .nt = all->mesh.nt,
@@ -159,8 +135,7 @@ static int audit(const struct merged *all, const char *name, int list,
     }
     for (int64_t k = 0; status == APP_OK && list && k < f->found; k++)
         printf("%d %d\n", (int)f->pair[k][0], (int)f->pair[k][1]);
-    free(f->pair);
-    f->pair = NULL;
+    crossings_free(f);
     return status;
 }
 
@@ -281,7 +256,7 @@ static int load_frame(struct merged *all, const struct run *run, int k)
     return load_obstacles(all, run, k);
 }
 
-static int audit_frame(struct run *run, int k, struct findings *f)
+static int audit_frame(struct run *run, int k, struct crossings *f)
 {
     char path[FILE_PATH];
     struct merged all = {0};
@@ -304,7 +279,7 @@ static int audit_run(const char *directory, int list)
         return APP_USAGE;
     int status = look(&run);
     for (int k = 0; k < count && status == APP_OK; k++) {
-        struct findings f = {0};
+        struct crossings f = {0};
         status = audit_frame(&run, frame[k], &f);
         sum += f.found;
         bad += f.found > 0;
@@ -326,7 +301,7 @@ static int audit_run(const char *directory, int list)
 static int audit_meshes(int count, char **path, const char *obstacle, int list)
 {
     struct merged all = {0};
-    struct findings f = {0};
+    struct crossings f = {0};
     int status = APP_OK;
     for (int k = 0; k < count && status == APP_OK; k++)
         status = append_file(&all, path[k], k + 1);

@@ -102,6 +102,10 @@ is 'nothing is stretched' sh -c '! grep -q "is stretched" err'
 exits 'and goes on as a scene' 0 run shirt/sewn.json --frames 2 --out on
 exits 'an audit of a run by its report' 0 audit on
 is 'knows the seams, too' grep -q 'that a seam joins' out
+mv tee.json elsewhere.json
+exits 'an audit whose pattern is gone' 1 audit on
+is 'counts what seams join, and says so' grep -q 'tells no seams' err
+mv elsewhere.json tee.json
 refused 'a garment that is not sewn' 'is not sewn yet: `drape sew` sews it' \
     run worn.json --out refused
 # a plate between front and back, wider than both
