@@ -256,6 +256,38 @@ static void make_pierced(struct show *s)
     show_box(s, 0, 0.09);
 }
 
+/* Two sheets of other numbers of particles are sewn together, edge to edge, and
+ * fall onto a ball. A point pulls by half a newton at most. */
+static void make_sewn(struct show *s)
+{
+    enum { POINTS = 13, PLACES = 9 };
+    drape_seam *seam = show_keep(s, sizeof *seam);
+    int32_t *particle = show_keep(s, POINTS * sizeof *particle);
+    int32_t(*onto)[2] = show_keep(s, POINTS * sizeof *onto);
+    double *part = show_keep(s, POINTS * sizeof *part);
+    s->steps = 8;
+    s->def.integrator = DRAPE_BDF2;
+    show_cloth(s, PLACES, 8, 0.03, 0.16)->origin[2] = -0.2105;
+    show_cloth(s, POINTS, 11, 0.02, 0.16)->origin[2] = 0.0005;
+    show_ball(s, 0, 0.15, 12);
+    for (int k = 0; k < POINTS; k++) {
+        double at = (double)k * (PLACES - 1) / (POINTS - 1);
+        int left = at < PLACES - 2 ? (int)at : PLACES - 2;
+        particle[k] = k;
+        part[k] = at - left;
+        for (int i = 0; i < 2; i++)
+            onto[k][i] = PLACES * 7 + left + i;
+    }
+    *seam = (drape_seam){.cloth = {1, 0},
+                         .n = POINTS,
+                         .particle = particle,
+                         .onto = (const int32_t(*)[2])onto,
+                         .part = part,
+                         .strength = 0.5};
+    s->def.seams = seam;
+    s->def.n_seams = 1;
+}
+
 /* A cloth so fast that each step diverges. */
 static void make_diverged(struct show *s)
 {
@@ -273,5 +305,6 @@ const struct scene_row scene_rows[] = {
     {"rest", make_rest},         {"large", make_large},
     {"larger", make_larger},     {"free", make_free},
     {"pierced", make_pierced},   {"diverged", make_diverged},
+    {"sewn", make_sewn},
 };
 const int n_scene_rows = sizeof scene_rows / sizeof scene_rows[0];
