@@ -169,9 +169,11 @@ def trees():
 
 def text_of_scene(name):
     """A scene's file, and the patterns that it names."""
-    text = read(f"app/scenes/{name}.json")
+    path = os.path.join("app/scenes", f"{name}.json")
+    text = read(path)
     patterns = sorted(set(re.findall(r'"pattern": "([^"]*)"', text)))
-    return text + "".join(read(f"app/scenes/{name}") for name in patterns)
+    return text + "".join(read(os.path.join(os.path.dirname(path), name))
+                          for name in patterns)
 
 
 def codes(files):

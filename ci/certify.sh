@@ -34,9 +34,16 @@ while read -r name file frames _ _ keys; do
     echo "$frames" | tr - ' ' >"$work/$name.frames"
 done <"$work/table"
 
-# A scene names its patterns from its own folder: app/scenes.
+# A scene names its patterns from its own folder: app/scenes, or app/patterns.
 mkdir -p "$build/patterns"
 cp app/patterns/*.json "$build/patterns"
+cp app/patterns/*.json "$work"
+
+# also NAME WHAT: whether ci/scenes.certified asks for that of a scene.
+also() {
+    awk -v name="$1" -v what="$2" '$1 == name && $5 == what { found = 1 }
+        END { exit !found }' "$work/table"
+}
 
 # part TO OPTION...: brings the run in $dir to that frame.
 part() {
@@ -44,7 +51,10 @@ part() {
     shift
     polite=
     [ "$backend" = gpu ] || polite='nice -n 19' # the device goes first
-    $polite "$build/drape" run "$work/$name.json" --backend "$backend" --no-obj \
+    verb='run --no-obj'
+    ! also "$name" sew || verb='sew --no-picture'
+    # shellcheck disable=SC2086
+    $polite "$build/drape" $verb "$work/$name.json" --backend "$backend" \
         --frames "$to" --out "$dir" "$@" >"$dir.log" 2>&1 ||
         tail -n 2 "$dir.log" >&2
 }
@@ -141,12 +151,6 @@ both() {
     fi
     # shellcheck disable=SC2046
     same "$1" 'ref and gpu' $(expected "$1") "$work/$1.ref" "$work/$1.gpu"
-}
-
-# Whether ci/scenes.certified asks for `again` of that scene.
-also_again() {
-    awk -v name="$1" '$1 == name && $5 == "again" { found = 1 }
-        END { exit !found }' "$work/table"
 }
 
 # again NAME FRAMES: run to run, with other block sizes, after a checkpoint
@@ -262,7 +266,7 @@ took stages
 save
 while read -r scene; do
     run "$scene" gpu "$(frames_of "$scene")" </dev/null
-    ! also_again "$scene" ||
+    ! also "$scene" again ||
         again "$scene" "$(frames_of "$scene")" </dev/null
 done <"$work/scenes"
 took 'runs of the device'

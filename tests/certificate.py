@@ -161,7 +161,7 @@ def trial(build):
     edited("app/scenes/flag.json", "1", "2", lambda found:
            found == ["scene flag"], dict(none, scene=1))
     edited("app/patterns/tee.json", "26", "27", lambda found:
-           found == ["scene panels"], dict(none, scene=1))
+           found == ["scene panels", "scene sewn"], dict(none, scene=2))
 
     # A row that is carried over although its code is not what it was.
     forged = copy.deepcopy(whole)

@@ -97,6 +97,15 @@ static int inspect_scene(struct sewing *s)
     return known == DRAPE_OK ? APP_OK : failed("the triangles", known);
 }
 
+/* Counts the steps of a trace since sewing began. */
+static void trace(void *user, int64_t step, const char *stage, uint64_t digest,
+                  double seconds)
+{
+    const struct sewing *s = user;
+    s->whole.trace(s->whole.trace_user, s->begun[s->stage] + step, stage,
+                   digest, seconds);
+}
+
 /* The definition of a stage, in the state of the world before it. */
 static void define_stage(struct sewing *s, enum sewing_stage stage)
 {
@@ -134,6 +143,10 @@ static void define_stage(struct sewing *s, enum sewing_stage stage)
         s->turn[def->n_seams] = s->whole.seams[k];
         s->turn[def->n_seams++].strength =
             (worn ? worn_pull : sewing_pull) * s->seam[k].spacing;
+    }
+    if (def->trace) {
+        def->trace = trace;
+        def->trace_user = s;
     }
     memset(def->gravity, 0, sizeof def->gravity);
     def->tolerance = fmin(1, def->tolerance * (worn ? fine : rough));

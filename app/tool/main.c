@@ -98,6 +98,7 @@ static const struct command {
      "  --backend ref|gpu, --precision 32|64, --threads N, --block N\n"
      "  --every N        write every N-th frame only\n"
      "  --force          remove another run's files from DIR first\n"
+     "  --trace          write DIR/trace.csv, a digest a stage\n"
      "  --obj            frames as OBJ too, with names and UVs\n"
      "  --no-picture     no pictures of the end, front and back\n"
      "A scene has its `garments`. Writes what `run` writes; sew.json, how its "

@@ -7,6 +7,7 @@
 #include "app/write/output.h"
 #include "app/write/report.h"
 #include "app/write/sewn.h"
+#include "app/write/trace.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -23,7 +24,8 @@ struct sew {
     json_t *root; /* of the scene, whose files are named from the root on */
     const char *body, *fabric, *cell, *directory;
     char out[FILE_PATH];
-    int frames, obj, force, no_picture;
+    struct file trace;
+    int frames, tracing, obj, force, no_picture;
 };
 
 /* Replaces a file's name, if it is one in this folder, by its whole path. */
@@ -147,6 +149,10 @@ static int begin(struct sew *sew, const char *file)
         return APP_USAGE;
     if (!sew->force)
         status = folder_empty(sew->out);
+    if (sew->tracing) {
+        scene->def.trace = trace_row;
+        scene->def.trace_user = &sew->trace;
+    }
     if (status == APP_OK)
         status = sewing_begin(&sew->sewing, scene, &sew->overrides);
     if (status != APP_OK)
@@ -161,7 +167,9 @@ static int begin(struct sew *sew, const char *file)
         !report_write(&sew->report, scene, sew->sewing.world, sew->out,
                       "unfinished"))
         status = APP_FAILED;
-    return status;
+    return status == APP_OK && sew->tracing
+               ? trace_begin(&sew->trace, sew->out, 0)
+               : status;
 }
 
 static int put_frame(struct sew *sew, int k)
@@ -194,6 +202,8 @@ static int step(struct sew *sew)
     double began = seconds_now();
     int status = sewing_step(s, &report);
     sew->report.seconds += seconds_now() - began;
+    if (status == APP_OK)
+        status = trace_check(&sew->trace);
     if (status != APP_OK)
         return status;
     if (!report_add(&sew->report, &report))
@@ -318,7 +328,7 @@ static int finish(struct sew *sew, int code)
     if (status != APP_OK ||
         !report_write(&sew->report, &sew->scene, s->world, sew->out, end) ||
         !sewn_write(&sew->sewn, s, sew->out) || !sewn_save(s, sew->out) ||
-        !put_scene(sew))
+        !put_scene(sew) || (sew->tracing && !file_close(&sew->trace)))
         return APP_FAILED;
     if (!sew->no_picture)
         status = take_pictures(sew);
@@ -354,6 +364,7 @@ int command_sew(int argc, char **argv)
         INT_OPTION("--block", &sew.overrides.block, 0, 256),
         INT_OPTION("--every", &sew.output.every, 1, 1000000),
         FLAG_OPTION("--force", &sew.force),
+        FLAG_OPTION("--trace", &sew.tracing),
         FLAG_OPTION("--obj", &sew.obj),
         FLAG_OPTION("--no-picture", &sew.no_picture),
         {0}};
@@ -367,6 +378,7 @@ int command_sew(int argc, char **argv)
     status = begin(&sew, argv[0]);
     if (status == APP_OK)
         status = simulate(&sew);
+    file_drop(&sew.trace);
     sewing_end(&sew.sewing);
     output_close(&sew.output);
     report_free(&sew.report);

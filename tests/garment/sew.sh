@@ -90,7 +90,11 @@ echo '{"frames": 400, "obstacles": [{"shape": "plane"}], "garments":
 exits 'what is sewn above a floor' 0 sew floor.json --no-picture --out floor
 is 'comes to rest on it' grep -q 'at rest; 1 of 1 seams closed; 0 pairs' out
 halves 'left["translation"] = [-3, 0, 0]'
-exits 'a T-shirt is sewn on a body' 0 sew worn.json --frames 120 --no-picture --out shirt
+exits 'a T-shirt is sewn on a body' 0 sew worn.json --frames 120 --no-picture \
+    --out shirt --trace
+is 'a trace counts the steps of all stages' sh -c '
+[ "$(tail -n +2 shirt/trace.csv | cut -d, -f1 | uniq | wc -l)" = \
+    "$(sed -n "s/.*\"steps\": \([0-9]*\), \"dt.*/\1/p" shirt/sew.json)" ]'
 is 'all its seams are closed' closed '
 all(s["closed"] and s["gap_cells"] < 0.01 for s in sew["seams"])'
 is 'nothing crosses in any frame' closed '
