@@ -190,6 +190,15 @@ enum drape_cell {
                            of 0 … 3 */
 };
 
+/* An edge of a cell of a panel that is sewn to a shorter one, as where a skirt
+ * is gathered: what is too long of it lies in tucks within the seam, so that it
+ * rests at less than its length. panel/panel.md §2.2 */
+typedef struct drape_ease {
+    int32_t end[2]; /* particles, next to each other around a cell that is not
+                       regular; of two such cells, it is an edge of both */
+    double ratio;   /* its length at rest over that by `rest`, 0.5 … 1 */
+} drape_ease;
+
 /* A panel: a cloth of any outline, whose particles at the outline were moved
  * onto it. panel/panel.md */
 typedef struct drape_panel {
@@ -201,6 +210,8 @@ typedef struct drape_panel {
     /* [(m-1)·(n-1)] enum drape_cell. A triangle of a cell has at least 0.05 of
      * the area of a regular cell. */
     const uint8_t *cell;
+    const drape_ease *eases; /* [n_eases], the last one of an edge counts */
+    int n_eases;             /* 0 … 10^6 */
 } drape_panel;
 
 /* A rectangular sheet: a grid of m × n particles, of which (i, j) is number

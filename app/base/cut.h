@@ -84,7 +84,15 @@ struct cut_point {
     double at;     /* 0 … 1: where on the seam */
     double length; /* m, of the seam that it stands for */
 };
+/* An edge of the longer side, which is sewn to less than its length. */
+struct cut_ease {
+    int32_t end[2];
+    double ratio;
+};
 struct cut_seam {
+    int longer; /* the side that is eased: 0 or 1 */
+    int eases;
+    struct cut_ease *ease; /* [eases] along the seam */
     int fine; /* the side of the particles, which are more there: 0 or 1 */
     int n;
     struct cut_point *point; /* [n] along the seam */

@@ -115,13 +115,35 @@ static bool make(struct cut_seam *seam, const struct line line[2], bool same)
     return true;
 }
 
+/* What both sides differ by is eased where that is a strain of more than this:
+ * less is what a seam of light cotton bears with 1 N/m. */
+static const double slight = 1e-3;
+/* The greatest ease, beyond which the seam pulls the rest together. */
+static const double most = 0.5;
+
+/* Eases the edges of the longer side. */
+static bool ease(struct cut_seam *seam, const struct line line[2])
+{
+    seam->longer = line[1].length > line[0].length;
+    const struct line *from = &line[seam->longer];
+    double ratio = line[!seam->longer].length / from->length;
+    if (!(ratio < 1 - slight))
+        return true;
+    seam->ease = malloc((size_t)from->n * sizeof *seam->ease);
+    for (int k = 0; seam->ease && k + 1 < from->n; k++)
+        seam->ease[seam->eases++] = (struct cut_ease){
+            {from->place[k].particle, from->place[k + 1].particle},
+            ratio > most ? ratio : most};
+    return seam->ease;
+}
+
 bool cut_seam_make(struct cut_seam *seam, const struct cut_side side[2])
 {
     struct line line[2] = {{0}, {0}};
     *seam = (struct cut_seam){0};
     bool good = find_line(&side[0], &line[0]) && find_line(&side[1], &line[1]);
     if (good && line[0].n > 1 && line[1].n > 1)
-        good = make(seam, line, side[0].cut == side[1].cut);
+        good = make(seam, line, side[0].cut == side[1].cut) && ease(seam, line);
     free(line[0].place);
     free(line[1].place);
     return good;
@@ -130,5 +152,6 @@ bool cut_seam_make(struct cut_seam *seam, const struct cut_side side[2])
 void cut_seam_free(struct cut_seam *seam)
 {
     free(seam->point);
+    free(seam->ease);
     *seam = (struct cut_seam){0};
 }

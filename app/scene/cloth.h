@@ -26,6 +26,7 @@ struct pin {
 /* A cloth that is a panel of a sewing pattern. */
 struct cloth_panel {
     drape_panel panel;
+    uint8_t *cell;             /* [(m - 1) (n - 1)] the panel's */
     const double (*placed)[3]; /* [m n] m, where the pattern places it */
     uint8_t *there;            /* [m n] 1: there is such a particle */
     int32_t (*edge)[2]; /* [m n] edges of the pattern's panel that the particle
@@ -58,6 +59,11 @@ json_reader read_panel;
 struct garment_panel;
 int panel_keep(struct pool *pool, const struct garment_panel *p,
                struct cloth *cloth);
+/* Adds to a panel that is kept what a seam eases. Returns app_exit. */
+struct cut;
+struct cut_seam;
+int panel_ease(struct pool *pool, const struct cut *cut,
+               const struct cut_seam *seam, struct cloth_panel *panel);
 /* Puts into path the place of a file that the scene names, which begins in the
  * scene's folder. what: the key. APP_OK, or APP_USAGE after one line. */
 int find_beside(struct json *json, const char *what, const char *name,

@@ -127,6 +127,11 @@ static int make_seams(struct json *json, const struct garment *garment,
             about->name = pool_text(json->pool, text);
             about->dart = garment_is_dart(pattern, stitch);
             about->cell = garment->h;
+            int longer = stitch->side[seam.longer].panel;
+            status = panel_ease(json->pool, &garment->panel[longer].cut, &seam,
+                                key->cloth[longer].panel);
+        }
+        if (status == APP_OK && seam.n) {
             status = about->name ? keep_seam(json, stitch, &seam,
                                              &key->seam[key->seams++], about)
                                  : no_memory();

@@ -94,7 +94,8 @@ int panel_keep(struct pool *pool, const struct garment_panel *p,
             to->there[at[i]] = 1;
     }
     find_edges(p, to);
-    to->panel = (drape_panel){(const double(*)[2])rest, cell};
+    to->panel = (drape_panel){.rest = (const double(*)[2])rest, .cell = cell};
+    to->cell = cell;
     to->placed = (const double(*)[3])x;
     to->edges = p->panel->edges;
     cloth->panel = to;
@@ -102,6 +103,50 @@ int panel_keep(struct pool *pool, const struct garment_panel *p,
     cloth->particles[1] = cut->n;
     cloth->size[0] = cut->h * (cut->m - 1);
     cloth->size[1] = cut->h * (cut->n - 1);
+    return APP_OK;
+}
+
+/* A cell that has two particles next to each other around it; -1: none. */
+static int64_t find_cell(const struct cut *cut, const int32_t end[2])
+{
+    int i = end[0] % cut->m, j = end[0] / cut->m;
+    for (int k = 0; k < 4; k++) {
+        int a = i - k % 2, b = j - k / 2;
+        int64_t cell = a + (int64_t)(cut->m - 1) * b;
+        int32_t at[4];
+        if (a < 0 || b < 0 || a > cut->m - 2 || b > cut->n - 2)
+            continue;
+        int corners = cut_corners(cut, cell, at);
+        for (int c = 0; c < corners; c++) {
+            int32_t next = at[(c + 1) % corners];
+            if ((at[c] == end[0] && next == end[1]) ||
+                (at[c] == end[1] && next == end[0]))
+                return cell;
+        }
+    }
+    return -1;
+}
+
+int panel_ease(struct pool *pool, const struct cut *cut,
+               const struct cut_seam *seam, struct cloth_panel *panel)
+{
+    int n = panel->panel.n_eases;
+    drape_ease *to = pool_take(pool, (size_t)(n + seam->eases) + 1, sizeof *to);
+    if (!to)
+        return no_memory();
+    if (n)
+        memcpy(to, panel->panel.eases, (size_t)n * sizeof *to);
+    for (int k = 0; k < seam->eases; k++) {
+        const struct cut_ease *e = &seam->ease[k];
+        int64_t cell = find_cell(cut, e->end);
+        if (cell < 0)
+            continue; /* the border of cells goes round another way here */
+        if (cut->cell[cell] == CUT_REGULAR)
+            panel->cell[cell] = CUT_RISING;
+        to[n++] = (drape_ease){{e->end[0], e->end[1]}, e->ratio};
+    }
+    panel->panel.eases = to;
+    panel->panel.n_eases = n;
     return APP_OK;
 }
 

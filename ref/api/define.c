@@ -186,6 +186,48 @@ static void check_cell(struct check *c, const drape_cloth *cloth, int i, int j)
     }
 }
 
+/* Whether two particles are next to each other around a cell that is odd. */
+static bool is_odd_edge(const drape_cloth *cloth, const int32_t end[2])
+{
+    int m = cloth->m;
+    for (int k = 0; k < 4; k++) {
+        int i = end[0] % m - k % 2, j = end[0] / m - k / 2;
+        int kind = cell_kind(cloth, i, j);
+        int64_t at[4];
+        int corners = cell_corners(kind, i + (int64_t)m * j, m, at);
+        for (int c = 0; c < corners && cell_is_odd(kind); c++) {
+            int64_t next = at[(c + 1) % corners];
+            if ((at[c] == end[0] && next == end[1]) ||
+                (at[c] == end[1] && next == end[0]))
+                return true;
+        }
+    }
+    return false;
+}
+
+static void check_eases(struct check *c, const drape_cloth *cloth)
+{
+    const drape_panel *panel = cloth->panel;
+    int64_t n = (int64_t)cloth->m * cloth->n;
+    check_integer(c, "panel.n_eases", panel->n_eases, 0, 1000000);
+    if (!check_array(c, "panel.eases", panel->n_eases, panel->eases))
+        return;
+    for (int k = 0; k < panel->n_eases && c->status == DRAPE_OK; k++) {
+        const drape_ease *e = &panel->eases[k];
+        char name[32];
+        snprintf(name, sizeof name, "panel.eases %d end", k);
+        check_integer(c, name, e->end[0], 0, n - 1);
+        check_integer(c, name, e->end[1], 0, n - 1);
+        snprintf(name, sizeof name, "panel.eases %d ratio", k);
+        check_number(c, name, e->ratio, 0.5, 1);
+        if (c->status == DRAPE_OK && !is_odd_edge(cloth, e->end))
+            fail_check(c, DRAPE_EARG,
+                       "panel.eases %d: particles %d and %d are no edge of a "
+                       "cell that is not regular",
+                       k, (int)e->end[0], (int)e->end[1]);
+    }
+}
+
 /* What a panel does not go with. */
 static const char *panel_misfit(const drape_def *def, const drape_cloth *cloth)
 {
@@ -220,6 +262,8 @@ static void check_panel(struct check *c, const drape_def *def,
     for (int j = 0; j < cloth->n - 1; j++)
         for (int i = 0; i < cloth->m - 1 && c->status == DRAPE_OK; i++)
             check_cell(c, cloth, i, j);
+    if (c->status == DRAPE_OK)
+        check_eases(c, cloth);
 }
 
 static void check_cloth(struct check *c, const drape_def *def,

@@ -15,6 +15,8 @@ struct making {
     struct arena *arena;
     struct panel *to;
     double *area;   /* [count] m², of particles that have odd cells, else 0 */
+    double *ease;   /* [SPRINGS·count] what the edge in direction o of p is
+                       eased by, 0: it is not; NULL: none is */
     double *bend;   /* [SPRINGS·count] N/m, of the pair in direction o of p */
     uint8_t *pairs; /* [count] bits of the pairs that are joined */
     int32_t *at;    /* [SPRINGS·count] number of the pair; [count] of the
@@ -66,6 +68,25 @@ static void count_cell(struct making *a, int64_t number, const int64_t at[4],
     a->to->n_cells = number + 1;
 }
 
+/* §2.2: shortens the edges of a cell that are eased, about their middles. */
+static void ease_cell(const struct making *a, const int64_t at[4], int corners,
+                      double x[4][2])
+{
+    double by[4][2] = {{0}};
+    for (int k = 0; k < corners && a->ease; k++) {
+        int next = (k + 1) % corners;
+        int64_t slot = slot_of(a, at[k], at[next]);
+        double part = a->ease[slot] > 0 ? (1 - a->ease[slot]) / 2 : 0;
+        for (int i = 0; i < 2; i++) {
+            by[k][i] += part * (x[next][i] - x[k][i]);
+            by[next][i] -= part * (x[next][i] - x[k][i]);
+        }
+    }
+    for (int k = 0; k < corners; k++)
+        for (int i = 0; i < 2; i++)
+            x[k][i] += by[k][i];
+}
+
 /* §2: the corners and fibres of a cell, and its part of their areas. */
 static void make_cell(struct making *a, int64_t number, const int64_t at[4],
                       int corners)
@@ -75,8 +96,9 @@ static void make_cell(struct making *a, int64_t number, const int64_t at[4],
         memcpy(x[k], a->def->panel->rest[at[k]], sizeof x[k]);
     double hu = a->def->width / (a->def->m - 1);
     double hv = a->def->height / (a->def->n - 1);
-    make_fibres((const double(*)[2])x, corners, hu, hv, a->to->fibre[number]);
     double share = cell_area((const double(*)[2])x, corners) / corners;
+    ease_cell(a, at, corners, x);
+    make_fibres((const double(*)[2])x, corners, hu, hv, a->to->fibre[number]);
     for (int k = 0; k < CORNERS; k++)
         a->to->corner[number][k] = (int32_t)at[k % corners];
     for (int k = 0; k < corners; k++)
@@ -259,6 +281,20 @@ static int make_lists(struct making *a)
     return a->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
 }
 
+/* Notes which edges are eased. */
+static void take_eases(struct making *a)
+{
+    const drape_panel *panel = a->def->panel;
+    if (panel->n_eases == 0)
+        return;
+    a->ease = arena_take(a->arena, ARENA_OTHER, SPRINGS * a->cloth->count,
+                         sizeof *a->ease);
+    for (int k = 0; k < panel->n_eases && !a->arena->failed; k++) {
+        const drape_ease *e = &panel->eases[k];
+        a->ease[slot_of(a, e->end[0], e->end[1])] = e->ratio;
+    }
+}
+
 int panel_make(const drape_cloth *d, struct cloth *c, struct arena *arena)
 {
     struct making a = {.def = d, .cloth = c, .arena = arena};
@@ -269,11 +305,13 @@ int panel_make(const drape_cloth *d, struct cloth *c, struct arena *arena)
     a.bend = arena_take(arena, ARENA_OTHER, slots, sizeof *a.bend);
     a.pairs = arena_take(arena, ARENA_OTHER, c->count, 1);
     a.at = arena_take(arena, ARENA_OTHER, slots, sizeof *a.at);
+    take_eases(&a);
     c->panel = a.to;
     int status = arena->failed ? DRAPE_ENOMEM : make_cells(&a);
     if (status == DRAPE_OK)
         status = make_lists(&a);
     arena_give(arena, a.area);
+    arena_give(arena, a.ease);
     arena_give(arena, a.bend);
     arena_give(arena, a.pairs);
     arena_give(arena, a.at);

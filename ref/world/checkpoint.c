@@ -80,6 +80,11 @@ static uint64_t print_cloth(const drape_cloth *c)
     if (c->panel) {
         h = mix_array(h, c->panel->rest, n, sizeof *c->panel->rest);
         h = mix_array(h, c->panel->cell, cells, sizeof *c->panel->cell);
+        for (int k = 0; k < c->panel->n_eases; k++) {
+            const drape_ease *e = &c->panel->eases[k];
+            h = hash_mix(h, e->end, sizeof e->end);
+            h = hash_mix(h, &e->ratio, sizeof e->ratio);
+        }
     }
     return mix_array(h, c->pins, c->n_pins, sizeof *c->pins);
 }

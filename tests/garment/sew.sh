@@ -89,9 +89,23 @@ echo '{"frames": 400, "obstacles": [{"shape": "plane"}], "garments":
     [{"pattern": "halves.json", "cell": 0.01, "at": [0, 0.05, 0]}]}' >floor.json
 exits 'what is sewn above a floor' 0 sew floor.json --no-picture --out floor
 is 'comes to rest on it' grep -q 'at rest; 1 of 1 seams closed; 0 pairs' out
+# a band across the ends of their seam, by which both are gathered to four fifths
+halves '
+pattern["stitches"] = [[{"panel": "left", "edge": 1}, {"panel": "right", "edge": 3}],
+                       [{"panel": "left", "edge": 2}, {"panel": "band", "edge": 0}],
+                       [{"panel": "right", "edge": 2}, {"panel": "band", "edge": 1}]]
+pattern["panels"]["band"] = {
+    "vertices": [[-16, 0], [0, 0], [16, 0], [16, 6], [-16, 6]],
+    "translation": [0, 33, 0], "rotation": [-40, 0, 0],
+    "edges": [{"endpoints": [k, (k + 1) % 5]} for k in range(5)]}'
+echo '{"frames": 100, "gravity": [0, 0, 0],
+    "garments": [{"pattern": "halves.json", "cell": 0.01}]}' >band.json
+exits 'a gathered edge is sewn' 0 sew band.json --no-picture --out shirt
+is 'to what is shorter, and closed' closed '
+all(s["closed"] and s["gap_cells"] < 0.01 for s in sew["seams"])'
 halves 'left["translation"] = [-3, 0, 0]'
 exits 'a T-shirt is sewn on a body' 0 sew worn.json --frames 120 --no-picture \
-    --out shirt --trace
+    --out shirt --trace --force
 is 'a trace counts the steps of all stages' sh -c '
 [ "$(tail -n +2 shirt/trace.csv | cut -d, -f1 | uniq | wc -l)" = \
     "$(sed -n "s/.*\"steps\": \([0-9]*\), \"dt.*/\1/p" shirt/sew.json)" ]'

@@ -110,7 +110,7 @@ const char *test_panel_rectangle(void)
         rest[p][1] = 0.01 * (p / M);
     }
     memset(cell, DRAPE_CELL_REGULAR, sizeof cell);
-    drape_panel panel = {(const double(*)[2])rest, cell};
+    drape_panel panel = {.rest = (const double(*)[2])rest, .cell = cell};
     for (int k = 0; k < 2; k++) {
         drape_world *world;
         drape_step_report r;
@@ -350,6 +350,75 @@ const char *test_panel_refused(void)
         cutting_free(&c);
         ran(1);
     }
+    return NULL;
+}
+
+/* A row of cells whose lower edges are eased to 0.8 rests as a ring of
+ * trapezes, and flat it does not. */
+const char *test_panel_eased(void)
+{
+    enum { M = 9 };
+    const double h = 0.01, ratio = 0.8, half = atan((1 - ratio) / 2);
+    double rest[2 * M][2], x[2 * M][3], elastic[2], moved = 0;
+    uint8_t cell[M - 1];
+    drape_ease eases[M - 1];
+    struct stage_set s;
+    drape_cloth cloth = sheet_default(M, 2);
+    drape_panel panel = {.rest = (const double(*)[2])rest, .cell = cell};
+    cloth.width = h * (M - 1);
+    cloth.height = h;
+    cloth.material.bend = 0;
+    cloth.x = (const double(*)[3])x;
+    cloth.panel = &panel;
+    for (int p = 0; p < 2 * M; p++) {
+        double angle = 2 * half * (p % M), side = p / M ? h : ratio * h;
+        rest[p][0] = h * (p % M);
+        rest[p][1] = h * (p / M);
+        x[p][0] = -side / 2 / sin(half) * cos(angle);
+        x[p][1] = 0;
+        x[p][2] = side / 2 / sin(half) * sin(angle);
+    }
+    for (int k = 0; k < M - 1; k++) {
+        cell[k] = DRAPE_CELL_RISING;
+        eases[k] = (drape_ease){{k + 1, k}, ratio};
+    }
+    panel.eases = eases;
+    for (int k = 0; k < 2; k++) {
+        drape_world *world;
+        drape_step_report r;
+        double to[2 * M][3];
+        panel.n_eases = k ? 0 : M - 1;
+        set_stage(&s, &cloth);
+        memset(s.def.gravity, 0, sizeof s.def.gravity);
+        EXPECT(drape_create(&s.def, &world, NULL) == DRAPE_OK);
+        EXPECT(drape_step(world, &r) == DRAPE_OK);
+        EXPECT(drape_read(world, to, NULL) == DRAPE_OK);
+        elastic[k] = r.elastic;
+        for (int p = 0; p < 2 * M && k == 0; p++)
+            for (int i = 0; i < 3; i++)
+                moved = fmax(moved, fabs(to[p][i] - x[p][i]));
+        drape_destroy(world);
+    }
+    EXPECT(moved < (REAL_BITS == 64 ? 1e-12 : 1e-7));
+    EXPECT(elastic[0] < 1e-6 * elastic[1]);
+    static const char *const words[] = {"no edge of a cell", "ratio", "ratio",
+                                        "end", "no edge of a cell"};
+    for (int k = 0; k < 5; k++) {
+        drape_world *world;
+        drape_error error;
+        const drape_ease bad[] = {{{0, 2}, 1},
+                                  {{0, 1}, 0.4},
+                                  {{0, 1}, NAN},
+                                  {{0, 2 * M}, 1},
+                                  {{0, 1}, 1}};
+        eases[1] = bad[k];
+        panel.n_eases = 2;
+        cell[0] = k == 4 ? DRAPE_CELL_REGULAR : DRAPE_CELL_RISING;
+        EXPECT(drape_create(&s.def, &world, &error) != DRAPE_OK);
+        EXPECT(strstr(error.text, "panel.eases"));
+        EXPECT(strstr(error.text, words[k]));
+    }
+    ran(1);
     return NULL;
 }
 
