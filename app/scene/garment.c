@@ -310,6 +310,17 @@ bool garment_is_clockwise(const struct pattern_panel *panel)
     return panel->loop[place].back;
 }
 
+bool garment_runs_back(const struct garment *garment,
+                       const struct pattern_stitch *stitch)
+{
+    /* Round their panels as the file goes, seen from the right side, one edge
+     * begins where the other ends. */
+    bool same =
+        garment_is_clockwise(garment->panel[stitch->side[0].panel].panel) ==
+        garment_is_clockwise(garment->panel[stitch->side[1].panel].panel);
+    return same != stitch->turned;
+}
+
 int garment_seam(const struct garment *garment,
                  const struct pattern_stitch *stitch, struct cut_seam *seam)
 {
@@ -323,12 +334,7 @@ int garment_seam(const struct garment *garment,
             return APP_OK;
         side[k] = (struct cut_side){&p->cut, &p->outline, place, false};
     }
-    /* Round their panels as the file goes, seen from the right side, one edge
-     * begins where the other ends. */
-    bool same =
-        garment_is_clockwise(garment->panel[stitch->side[0].panel].panel) ==
-        garment_is_clockwise(garment->panel[stitch->side[1].panel].panel);
-    side[1].back = same != stitch->turned;
+    side[1].back = garment_runs_back(garment, stitch);
     return cut_seam_make(seam, side) ? APP_OK : no_memory();
 }
 

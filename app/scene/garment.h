@@ -48,6 +48,13 @@ void garment_lengths(const struct pattern *pattern,
  * cells. Returns app_exit, and cut_seam_free gives back what it holds. */
 int garment_seam(const struct garment *garment,
                  const struct pattern_stitch *stitch, struct cut_seam *seam);
+/* Whether side 1 of a stitch runs against its outline, if side 0 runs along. */
+bool garment_runs_back(const struct garment *garment,
+                       const struct pattern_stitch *stitch);
+/* Which stitches go across the end of another one, as a collar does across
+ * that of a shoulder seam: where three corners meet that are sewn to each
+ * other, those of the widest corner. across: [stitches]. Returns app_exit. */
+int garment_across(const struct garment *garment, bool *across);
 /* Whether a stitch closes a dart: its edges are of one panel and meet. */
 bool garment_is_dart(const struct pattern *pattern,
                      const struct pattern_stitch *stitch);

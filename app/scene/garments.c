@@ -111,9 +111,10 @@ static int make_seams(struct json *json, const struct garment *garment,
     size_t room = (size_t)pattern->stitches + 1;
     key->seam = pool_take(json->pool, room, sizeof *key->seam);
     key->about = pool_take(json->pool, room, sizeof *key->about);
-    if (!key->seam || !key->about)
+    bool *across = pool_take(json->pool, room, sizeof *across);
+    if (!key->seam || !key->about || !across)
         return no_memory();
-    int status = APP_OK;
+    int status = garment_across(garment, across);
     for (int k = 0; k < pattern->stitches && status == APP_OK; k++) {
         const struct pattern_stitch *stitch = &pattern->stitch[k];
         const struct pattern_side *a = stitch->side, *b = a + 1;
@@ -126,6 +127,7 @@ static int make_seams(struct json *json, const struct garment *garment,
         if (status == APP_OK && seam.n) {
             about->name = pool_text(json->pool, text);
             about->dart = garment_is_dart(pattern, stitch);
+            about->across = across[k];
             about->cell = garment->h;
             int longer = stitch->side[seam.longer].panel;
             status = panel_ease(json->pool, &garment->panel[longer].cut, &seam,

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Places panels: where the pattern has them, rolled if they are sewn to
- * themselves, and parted where they touch in one plane. app/patterns/README.md
- * §10 */
+ * themselves, and parted where they touch in one plane; and finds where three
+ * of them meet. app/patterns/README.md §10, §11 */
 #include "app/base/app.h"
 #include "app/scene/garment.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 /* Panels are in one plane if their normals are within this angle, rad, and
  * their planes within half a cell. */
@@ -139,6 +140,104 @@ double garment_gap(const struct garment *garment,
         most = fmax(most, sqrt(sum));
     }
     return most;
+}
+
+/* A corner of a panel: the one where this place of its outline begins. */
+struct corner {
+    int panel, place;
+};
+/* The corners that a stitch brings together, at its start and at its end. */
+struct ends {
+    bool there;
+    struct corner corner[2][2]; /* by end and side */
+};
+
+static struct ends find_ends(const struct garment *g,
+                             const struct pattern_stitch *stitch)
+{
+    struct ends ends = {.there = true};
+    for (int s = 0; s < 2; s++) {
+        int k = stitch->side[s].panel;
+        const struct garment_panel *p = &g->panel[k];
+        int place = garment_find_edge(p, stitch->side[s].edge);
+        bool back = s == 1 && garment_runs_back(g, stitch);
+        ends.there &= place >= 0;
+        ends.corner[back][s] = (struct corner){k, place};
+        ends.corner[!back][s] = (struct corner){k, (place + 1) % p->edges};
+    }
+    return ends;
+}
+
+/* The angle of a panel at a corner, inside. */
+static double corner_angle(const struct garment *g, struct corner at)
+{
+    const struct outline *o = &g->panel[at.panel].outline;
+    int32_t c = o->first[at.place], before = c ? c - 1 : o->n - 1;
+    double a[2], b[2];
+    for (int i = 0; i < 2; i++) {
+        a[i] = o->x[c][i] - o->x[before][i];
+        b[i] = o->x[c + 1][i] - o->x[c][i];
+    }
+    double left = atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]);
+    return acos(-1) - left;
+}
+
+static bool are_one(struct corner a, struct corner b)
+{
+    return a.panel == b.panel && a.place == b.place;
+}
+
+/* Whether a stitch brings two corners together. */
+static bool brings(const struct ends *ends, struct corner a, struct corner b)
+{
+    for (int e = 0; e < 2 && ends->there; e++) {
+        const struct corner *c = ends->corner[e];
+        if ((are_one(c[0], a) && are_one(c[1], b)) ||
+            (are_one(c[0], b) && are_one(c[1], a)))
+            return true;
+    }
+    return false;
+}
+
+/* Whether a stitch goes across the end of another one, at its own end `e` and
+ * with the corner of side s: both others at a third corner are less wide. */
+static bool goes_across(const struct garment *g, const struct ends *all, int k,
+                        int e, int s)
+{
+    struct corner wide = all[k].corner[e][s], other = all[k].corner[e][!s];
+    double angle = corner_angle(g, wide);
+    if (!(corner_angle(g, other) < angle))
+        return false;
+    for (int b = 0; b < g->pattern->stitches; b++)
+        for (int end = 0; end < 4 && all[b].there; end++) {
+            const struct corner *c = all[b].corner[end / 2];
+            struct corner third = c[end % 2];
+            if (!are_one(c[!(end % 2)], wide) || are_one(third, other) ||
+                !(corner_angle(g, third) < angle))
+                continue;
+            for (int a = 0; a < g->pattern->stitches; a++)
+                if (!garment_is_dart(g->pattern, &g->pattern->stitch[a]) &&
+                    brings(&all[a], other, third))
+                    return true;
+        }
+    return false;
+}
+
+int garment_across(const struct garment *garment, bool *across)
+{
+    int n = garment->pattern->stitches;
+    struct ends *all = calloc((size_t)n + 1, sizeof *all);
+    if (!all)
+        return no_memory();
+    for (int k = 0; k < n; k++)
+        all[k] = find_ends(garment, &garment->pattern->stitch[k]);
+    for (int k = 0; k < n; k++) {
+        across[k] = false;
+        for (int end = 0; end < 4 && all[k].there; end++)
+            across[k] |= goes_across(garment, all, k, end / 2, end % 2);
+    }
+    free(all);
+    return APP_OK;
 }
 
 /* A panel in space. */

@@ -22,6 +22,7 @@ struct camera {
 struct scene_seam {
     char *name;           /* of both edges */
     bool dart;            /* its edges are of one panel and meet */
+    bool across;          /* garment_across */
     double cell;          /* m, side of the garment's cells */
     const double *length; /* [n] m, of the seam that each point stands for */
 };

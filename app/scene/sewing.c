@@ -8,7 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const sewing_stages[SEWING_STAGES] = {"darts", "seams", "worn"};
+const char *const sewing_stages[SEWING_STAGES] = {"darts", "seams", "across",
+                                                  "worn"};
 
 /* The fastest target. Within a step of 1/60 s it falls by 8 mm, which is less
  * than cloth moves when it falls freely for 0.05 s. */
@@ -60,7 +61,10 @@ static int make_seams(struct sewing *s)
         seam->target = pool_take(&s->pool, n, sizeof *seam->target);
         if (!seam->gap || !seam->pull || !seam->target)
             return no_memory();
-        seam->stage = s->scene->seam[k].dart ? SEWING_DARTS : SEWING_SEAMS;
+        const struct scene_seam *about = &s->scene->seam[k];
+        seam->stage = about->dart     ? SEWING_DARTS
+                      : about->across ? SEWING_ACROSS
+                                      : SEWING_SEAMS;
     }
     return APP_OK;
 }

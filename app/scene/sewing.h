@@ -8,9 +8,11 @@
 /* Seams are drawn together in this order. Then the garment is worn, with
  * gravity and friction. */
 enum sewing_stage {
-    SEWING_DARTS, /* seams within a panel whose edges meet */
-    SEWING_SEAMS, /* all others, together: what closes later holds in its place
-                     what closes before */
+    SEWING_DARTS,  /* seams within a panel whose edges meet */
+    SEWING_SEAMS,  /* the others, together: what closes later holds in its place
+                      what closes before */
+    SEWING_ACROSS, /* those across the end of one, through which a panel that is
+                      drawn to it would go while it is open */
     SEWING_WORN,
     SEWING_STAGES
 };

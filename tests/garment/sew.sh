@@ -103,6 +103,9 @@ echo '{"frames": 100, "gravity": [0, 0, 0],
 exits 'a gathered edge is sewn' 0 sew band.json --no-picture --out shirt
 is 'to what is shorter, and closed' closed '
 all(s["closed"] and s["gap_cells"] < 0.01 for s in sew["seams"])'
+is 'a seam across the end of another comes after it' closed '
+[s["stage"] for s in sew["seams"]] == ["seams", "across", "across"]
+and 0 < sew["stages"]["across"] < sew["stages"]["worn"]'
 halves 'left["translation"] = [-3, 0, 0]'
 exits 'a T-shirt is sewn on a body' 0 sew worn.json --frames 120 --no-picture \
     --out shirt --trace --force
