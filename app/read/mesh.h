@@ -31,9 +31,10 @@ int mesh_load_plain(struct pool *pool, const char *path, struct mesh *mesh);
 int mesh_merge(const char *path, struct mesh *mesh, struct clip *clip);
 /* Whether mesh_load_plain has vertices of such a file in the file's order. */
 bool mesh_ordered(const char *path);
-/* Reads the frames of a point cache (.pc2) of a mesh of nv vertices; clip->dt
- * is in frames. APP_OK, or the exit code after one line. */
-int pc2_load(struct pool *pool, const char *path, int64_t nv,
+/* Reads the frames of a point cache (.pc2) of a mesh of nv vertices, behind
+ * `room` frames that the caller fills; clip->dt is in frames. APP_OK, or the
+ * exit code after one line. */
+int pc2_load(struct pool *pool, const char *path, int64_t nv, int room,
              struct clip *clip);
 
 /* Returns the number of triangles with two equal corners or no area in

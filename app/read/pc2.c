@@ -58,14 +58,16 @@ static int check_head(const char *path, const char *head, size_t size,
 }
 
 static int read_frames(struct pool *pool, const char *path, const char *data,
-                       int64_t nv, struct clip *clip)
+                       int64_t nv, int room, struct clip *clip)
 {
-    clip->frames = (int)read_word(data + 28);
+    int frames = (int)read_word(data + 28);
+    clip->frames = room + frames;
     clip->dt = read_float(data + 24);
-    int64_t n = clip->frames * nv;
-    clip->x = pool_take(pool, (size_t)n, sizeof *clip->x);
+    clip->x = pool_take(pool, (size_t)(clip->frames * nv), sizeof *clip->x);
     if (!clip->x)
         return complain(APP_FAILED, "%s: out of memory", path);
+    int64_t n = frames * nv;
+    double(*x)[3] = clip->x + room * nv;
     for (int64_t k = 0; k < 3 * n; k++) {
         double a = read_float(data + HEAD + 4 * k);
         if (!(fabs(a) <= 0x1p60))
@@ -74,12 +76,13 @@ static int read_frames(struct pool *pool, const char *path, const char *data,
                             "finite or beyond 2^60",
                             path, (long long)(k / 3 / nv),
                             (long long)(k / 3 % nv));
-        clip->x[k / 3][k % 3] = a;
+        x[k / 3][k % 3] = a;
     }
     return APP_OK;
 }
 
-int pc2_load(struct pool *pool, const char *path, int64_t nv, struct clip *clip)
+int pc2_load(struct pool *pool, const char *path, int64_t nv, int room,
+             struct clip *clip)
 {
     size_t size;
     char *data = file_read(path, &size);
@@ -87,7 +90,7 @@ int pc2_load(struct pool *pool, const char *path, int64_t nv, struct clip *clip)
         return APP_USAGE;
     int status = check_head(path, data, size, nv);
     if (status == APP_OK)
-        status = read_frames(pool, path, data, nv, clip);
+        status = read_frames(pool, path, data, nv, room, clip);
     free(data);
     return status;
 }

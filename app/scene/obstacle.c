@@ -58,35 +58,54 @@ static bool find_in_list(const char *list, const char *name,
 /* Where a mesh is looked for: as named from the scene's folder, then in the
  * folders of $DRAPE_MODELS, in models/ of $DRAPE_DATA, or of build/data without
  * it, and in build/models. */
-int find_mesh(const struct json *json, const char *name, char path[FILE_PATH])
+struct places {
+    char scene[FILE_PATH], models[FILE_PATH];
+};
+
+static bool look_in(const struct json *json, struct places *in,
+                    const char *name, char path[FILE_PATH])
 {
     const struct scene *scene = json->user;
-    char folder[FILE_PATH];
+    char *folder = in->scene;
     strcpy(folder, scene->file);
     char *slash = strrchr(folder, '/');
     strcpy(slash ? slash : folder, slash ? "" : ".");
-    if (name[0] == '/') {
-        if (snprintf(path, FILE_PATH, "%s", name) < FILE_PATH &&
-            file_exists(path))
-            return APP_OK;
-        return json_refuse(json, "%s: no such mesh file", name);
-    }
+    if (name[0] == '/')
+        return snprintf(path, FILE_PATH, "%s", name) < FILE_PATH &&
+               file_exists(path);
     const char *own = getenv("DRAPE_MODELS"), *data = getenv("DRAPE_DATA");
-    char models[FILE_PATH];
-    if (!file_join(models, data && *data ? data : "build/data", "models"))
-        return APP_USAGE;
-    const char *folders[] = {*folder ? folder : "/", models, "build/models"};
+    if (!file_join(in->models, data && *data ? data : "build/data", "models"))
+        return false;
+    strcpy(folder, *folder ? folder : "/");
+    const char *folders[] = {folder, in->models, "build/models"};
     for (int k = 0; k < 3; k++) {
         if (k == 1 && find_in_list(own ? own : "", name, path))
-            return APP_OK;
+            return true;
         if (file_join(path, folders[k], name) && file_exists(path))
-            return APP_OK;
+            return true;
     }
+    return false;
+}
+
+int find_mesh(const struct json *json, const char *name, char path[FILE_PATH])
+{
+    struct places in;
+    if (look_in(json, &in, name, path))
+        return APP_OK;
+    if (name[0] == '/')
+        return json_refuse(json, "%s: no such mesh file", name);
     return json_refuse(json,
                        "mesh %s: found neither in %s, $DRAPE_MODELS, %s nor "
                        "build/models (drape fetch-models DIR fetches the "
                        "statues of drape's own scenes)",
-                       name, folders[0], models);
+                       name, in.scene, in.models);
+}
+
+bool has_mesh(const struct json *json, const char *name)
+{
+    struct places in;
+    char path[FILE_PATH];
+    return look_in(json, &in, name, path);
 }
 
 /* Loads the mesh of a file, with its animation as frames. */
@@ -181,20 +200,20 @@ static void say_idle(struct json *json, json_t *node, const struct obstacle *o)
 }
 
 /* Makes the obstacle's mesh; exactly one of mesh, shape and frames is given,
- * but for a point cache, which has a mesh beside it. */
+ * but for a point cache and a lead, which have a mesh beside them. */
 static int make(struct json *json, struct obstacle *o)
 {
     struct mesh mesh = {0};
-    const struct sequence *s = &o->sequence;
-    bool shape = o->shape.kind != SHAPE_NONE, cache = s->file != NULL;
+    struct sequence *s = &o->sequence;
+    bool shape = o->shape.kind != SHAPE_NONE, beside = s->file || s->lead > 0;
     if (shape + (s->files != NULL) + (o->file != NULL) != 1 &&
-        !(cache && !shape))
+        !(beside && !shape))
         return json_refuse(json, "expected one of mesh, shape and frames");
     bool bends = o->limb.keys && o->shape.kind == SHAPE_LIMB;
-    if (o->clip && (!o->file || cache))
+    if (o->clip && (!o->file || beside))
         return json_refuse(json, "animation: expected a mesh beside it");
     int status =
-        s->files || cache
+        s->files || beside
             ? sequence_load(json, s, o->file, &o->placement, &mesh, &o->out)
         : shape ? shape_make(json->pool, &o->shape, &mesh)
                 : load_file(json, o, &mesh);

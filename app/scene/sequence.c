@@ -4,8 +4,13 @@
 #include "app/base/app.h"
 #include "app/base/file.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+enum { MOST = 1000000 }; /* frames */
+/* A mesh is where the first frame is, if no vertex is further from it, m. */
+static const double same_place = 1e-4;
 
 static int read_time(struct json *json, json_t *node, void *out)
 {
@@ -17,7 +22,7 @@ static int read_times(struct json *json, json_t *node, void *out)
 {
     struct sequence *s = out;
     struct json_list list = {
-        .read = read_time, .size = sizeof(double), .most = 1000000};
+        .read = read_time, .size = sizeof(double), .most = MOST};
     int status = json_items(json, node, &list);
     s->times = list.items;
     s->n_times = list.count;
@@ -52,15 +57,17 @@ int read_sequence(struct json *json, json_t *node, void *out)
         TEXT_KEY("files", offsetof(struct sequence, files)),
         TEXT_KEY("file", offsetof(struct sequence, file)),
         INTEGER_KEY("first", offsetof(struct sequence, first), 0, 1e9),
-        INTEGER_KEY("count", offsetof(struct sequence, count), 1, 1e6),
+        INTEGER_KEY("count", offsetof(struct sequence, count), 1, MOST),
         NUMBER_KEY("dt", offsetof(struct sequence, dt), 1e-6, 1e6),
         NESTED_KEY("times", 0, read_times),
         CHOICE_KEY("between", offsetof(struct sequence, between), betweens),
+        NUMBER_KEY("lead", offsetof(struct sequence, lead), 0, 1e6),
         {0}};
     static const char *const dt[] = {"dt", NULL};
     static const char *const numbers[] = {"first", "count", NULL};
     struct sequence *s = out;
     s->dt = 1.0 / 60;
+    s->first = -1;
     int status = json_fields(json, node, keys, s);
     if (status != APP_OK)
         return status;
@@ -68,9 +75,9 @@ int read_sequence(struct json *json, json_t *node, void *out)
         return json_refuse(json,
                            "expected either files with count, or the file "
                            "of a point cache (.pc2)");
-    if (!s->file && (!s->files || !is_numbered(s->files) || !s->count))
-        return json_refuse(json, "expected files with one %%d or %%04d in "
-                                 "the name, and count");
+    if (!s->file && (!s->files || !is_numbered(s->files)))
+        return json_refuse(json,
+                           "expected files with one %%d or %%04d in the name");
     if (s->times)
         json_idle(json, node, dt, "there are times");
     if (s->file)
@@ -78,22 +85,38 @@ int read_sequence(struct json *json, json_t *node, void *out)
     return APP_OK;
 }
 
-/* The name of file k of a series. */
-static void name_file(const struct sequence *s, int k, char name[FILE_PATH])
+/* The name of the file of this number. */
+static void name_file(const struct sequence *s, int number,
+                      char name[FILE_PATH])
 {
     const char *percent = strchr(s->files, '%');
     int width = atoi(percent + 1);
     snprintf(name, FILE_PATH, "%.*s%0*d%s", (int)(percent - s->files), s->files,
-             width, s->first + k, strchr(percent, 'd') + 1);
+             width, number, strchr(percent, 'd') + 1);
 }
 
-/* Loads file k of a series into its frame; the first is also the mesh. */
-static int load_frame(struct json *json, const struct sequence *s, int k,
+/* Finds out where a series begins and ends, where it is not said: it begins at
+ * file 0, or 1 if there is none, and its files follow each other. */
+static void count_files(const struct json *json, struct sequence *s)
+{
+    char name[FILE_PATH];
+    if (s->first < 0) {
+        name_file(s, 0, name);
+        s->first = s->count || has_mesh(json, name) ? 0 : 1;
+    }
+    for (int k = 0; !s->count; k++) {
+        name_file(s, s->first + k, name);
+        if (k == MOST || !has_mesh(json, name))
+            s->count = k > 1 ? k : 1; /* the first is read, and missed */
+    }
+}
+
+/* Loads the mesh of a file into frame k; the first is also the mesh. */
+static int load_frame(struct json *json, const char *name, int k,
                       struct clip *clip, struct mesh *mesh)
 {
-    char name[FILE_PATH], path[FILE_PATH];
+    char path[FILE_PATH];
     struct mesh here;
-    name_file(s, k, name);
     int status = find_mesh(json, name, path);
     if (status == APP_OK)
         status = mesh_load_plain(json->pool, path, &here);
@@ -101,7 +124,7 @@ static int load_frame(struct json *json, const struct sequence *s, int k,
         return status;
     if (k == 0) {
         *mesh = here;
-        clip->x = pool_take(json->pool, (size_t)s->count * (size_t)here.nv,
+        clip->x = pool_take(json->pool, (size_t)clip->frames * (size_t)here.nv,
                             sizeof *clip->x);
         if (!clip->x)
             return complain(APP_FAILED, "out of memory");
@@ -115,17 +138,22 @@ static int load_frame(struct json *json, const struct sequence *s, int k,
         return json_refuse(json, "%s: other triangles than the first", name);
     memcpy(clip->x + (size_t)k * (size_t)mesh->nv, here.x,
            (size_t)mesh->nv * sizeof *clip->x);
-    clip->frames = k + 1;
     return APP_OK;
 }
 
+/* Loads the files of a series, behind the mesh that is led to their first. */
 static int load_files(struct json *json, const struct sequence *s,
-                      struct clip *clip, struct mesh *mesh)
+                      const char *led, struct clip *clip, struct mesh *mesh)
 {
-    int status = APP_OK;
-    for (int k = 0; k < s->count && status == APP_OK; k++)
-        status = load_frame(json, s, k, clip, mesh);
+    char name[FILE_PATH];
+    int room = led ? 1 : 0;
+    clip->frames = room + s->count;
     clip->dt = s->dt;
+    int status = led ? load_frame(json, led, 0, clip, mesh) : APP_OK;
+    for (int k = 0; k < s->count && status == APP_OK; k++) {
+        name_file(s, s->first + k, name);
+        status = load_frame(json, name, room + k, clip, mesh);
+    }
     return status == APP_OK ? mesh_merge(s->files, mesh, clip) : status;
 }
 
@@ -134,6 +162,7 @@ static int load_cache(struct json *json, const struct sequence *s,
                       const char *name, struct clip *clip, struct mesh *mesh)
 {
     char path[FILE_PATH];
+    int room = s->lead > 0;
     if (!mesh_ordered(name))
         return json_refuse(json,
                            "%s: expected .ply or .off: the frames of a point "
@@ -146,35 +175,64 @@ static int load_cache(struct json *json, const struct sequence *s,
     if (status == APP_OK)
         status = find_mesh(json, s->file, path);
     if (status == APP_OK)
-        status = pc2_load(json->pool, path, mesh->nv, clip);
+        status = pc2_load(json->pool, path, mesh->nv, room, clip);
+    if (status == APP_OK && room)
+        memcpy(clip->x, mesh->x, (size_t)mesh->nv * sizeof *clip->x);
     clip->dt *= s->dt;
     return status;
 }
 
-int sequence_load(struct json *json, const struct sequence *s, const char *name,
+/* Puts the frames behind the mesh that goes to the first of them, unless it is
+ * there. */
+static int lead(struct json *json, const struct sequence *s, int64_t nv,
+                drape_obstacle *out)
+{
+    const double(*mesh)[3] = out->frame, (*first)[3] = mesh + nv;
+    double most = 0, (*times) = NULL;
+    for (int64_t k = 0; k < nv; k++)
+        for (int i = 0; i < 3; i++)
+            most = fmax(most, fabs(first[k][i] - mesh[k][i]));
+    if (most <= same_place) {
+        out->frame = first;
+        out->frames--;
+        return APP_OK;
+    }
+    times = pool_take(json->pool, (size_t)out->frames, sizeof *times);
+    if (!times)
+        return complain(APP_FAILED, "out of memory");
+    for (int k = 1; k < out->frames; k++)
+        times[k] =
+            s->lead + (s->times ? s->times[k - 1] : (k - 1) * out->frame_dt);
+    times[0] = times[1] - s->lead;
+    out->frame_time = times;
+    return APP_OK;
+}
+
+int sequence_load(struct json *json, struct sequence *s, const char *name,
                   const struct placement *placement, struct mesh *mesh,
                   drape_obstacle *out)
 {
     struct clip clip = {0};
-    if (!s->files && !name)
-        return json_refuse(json,
-                           "frames.file: expected the mesh beside it that "
-                           "the point cache moves");
-    if (s->files && s->times && s->n_times != s->count)
-        return json_refuse(json, "frames.times: %d times of %d frames",
-                           s->n_times, s->count);
-    int status = s->files ? load_files(json, s, &clip, mesh)
+    int room = s->lead > 0;
+    if (!name && (room || !s->files))
+        return json_refuse(
+            json, "frames.%s: expected the mesh beside it that %s",
+            s->files ? "lead" : "file",
+            s->files ? "goes to the first frame" : "the point cache moves");
+    if (s->files)
+        count_files(json, s);
+    int status = s->files ? load_files(json, s, room ? name : NULL, &clip, mesh)
                           : load_cache(json, s, name, &clip, mesh);
     if (status != APP_OK)
         return status;
-    if (s->times && s->n_times != clip.frames)
+    if (s->times && s->n_times != clip.frames - room)
         return json_refuse(json, "frames.times: %d times of %d frames",
-                           s->n_times, clip.frames);
+                           s->n_times, clip.frames - room);
     mesh_place_frames(clip.x, mesh->nv, clip.frames, placement);
     out->frames = clip.frames;
     out->between = s->between;
     out->frame_dt = clip.dt;
     out->frame_time = s->times;
     out->frame = (const double(*)[3])clip.x;
-    return APP_OK;
+    return room ? lead(json, s, mesh->nv, out) : APP_OK;
 }

@@ -9,7 +9,7 @@
 #include <string.h>
 
 const char *const sewing_stages[SEWING_STAGES] = {"darts", "seams", "across",
-                                                  "worn"};
+                                                  "worn", "moving"};
 
 /* The fastest target. Within a step of 1/60 s it falls by 8 mm, which is less
  * than cloth moves when it falls freely for 0.05 s. */
@@ -114,7 +114,7 @@ static void trace(void *user, int64_t step, const char *stage, uint64_t digest,
 static void define_stage(struct sewing *s, enum sewing_stage stage)
 {
     drape_def *def = &s->scene->def;
-    bool worn = stage == SEWING_WORN;
+    bool worn = stage >= SEWING_WORN, moving = stage == SEWING_MOVING;
     int64_t at = 0;
     *def = s->whole;
     for (int k = 0; k < def->n_cloths; k++) {
@@ -127,6 +127,8 @@ static void define_stage(struct sewing *s, enum sewing_stage stage)
     }
     for (int k = 0; k < def->n_obstacles; k++) {
         s->obstacle[k] = s->whole.obstacles[k];
+        if (moving)
+            continue; /* it is led from its time 0 on, where it stands yet */
         s->obstacle[k].x = (const double(*)[3])s->x + at;
         s->obstacle[k].motion = -1;
         s->obstacle[k].frames = 0;
@@ -152,7 +154,8 @@ static void define_stage(struct sewing *s, enum sewing_stage stage)
         def->trace = trace;
         def->trace_user = s;
     }
-    memset(def->gravity, 0, sizeof def->gravity);
+    if (!moving)
+        memset(def->gravity, 0, sizeof def->gravity);
     def->tolerance = fmin(1, def->tolerance * (worn ? fine : rough));
     if (!worn)
         def->sleep = 0;
@@ -371,6 +374,30 @@ int sewing_step(struct sewing *sewing, drape_step_report *report)
     if (status == APP_OK && sewing->stage == SEWING_WORN)
         status = find_rest(sewing);
     return status;
+}
+
+/* The time at which an obstacle is where it stays. */
+static double last_time(const drape_def *def, const drape_obstacle *o)
+{
+    if (o->frames > 0)
+        return o->frame_time ? o->frame_time[o->frames - 1]
+                             : (o->frames - 1) * o->frame_dt;
+    const drape_motion *m = o->motion < 0 ? NULL : &def->motions[o->motion];
+    return m ? m->time[m->keys - 1] : 0;
+}
+
+int64_t sewing_moves(const struct sewing *sewing)
+{
+    const drape_def *def = &sewing->whole;
+    double last = 0;
+    for (int k = 0; k < def->n_obstacles; k++)
+        last = fmax(last, last_time(def, &def->obstacles[k]));
+    return (int64_t)ceil(last / def->dt * (1 - 1e-12));
+}
+
+int sewing_move(struct sewing *sewing)
+{
+    return enter_stage(sewing, SEWING_MOVING);
 }
 
 int crossings_find(const drape_mesh *mesh, struct crossings *crossings)

@@ -6,7 +6,7 @@
 #include "app/scene/scene.h"
 
 /* Seams are drawn together in this order. Then the garment is worn, with
- * gravity and friction. */
+ * gravity and friction; and then the bodies move, from their time 0 on. */
 enum sewing_stage {
     SEWING_DARTS,  /* seams within a panel whose edges meet */
     SEWING_SEAMS,  /* the others, together: what closes later holds in its place
@@ -14,6 +14,7 @@ enum sewing_stage {
     SEWING_ACROSS, /* those across the end of one, through which a panel that is
                       drawn to it would go while it is open */
     SEWING_WORN,
+    SEWING_MOVING,
     SEWING_STAGES
 };
 extern const char *const sewing_stages[SEWING_STAGES];
@@ -78,6 +79,11 @@ int sewing_begin(struct sewing *sewing, struct scene *scene,
  * step and time are those since sewing began. Returns app_exit; a failure
  * prints one line. */
 int sewing_step(struct sewing *sewing, drape_step_report *report);
+/* Returns the steps in which the bodies move: from time 0 to the last of their
+ * frames and of their motions' keys. 0: none moves. */
+int64_t sewing_moves(const struct sewing *sewing);
+/* Lets the bodies move from now on. Returns app_exit. */
+int sewing_move(struct sewing *sewing);
 /* Counts the intersecting pairs of triangles that can collide, and those that
  * are sewn together. Returns app_exit. */
 int sewing_audit(struct sewing *sewing, int64_t *pairs, int64_t *sewn);

@@ -22,10 +22,12 @@ struct sew {
     struct report report;
     struct progress progress;
     json_t *root; /* of the scene, whose files are named from the root on */
-    const char *body, *fabric, *cell, *directory;
+    const char *body, *motion, *rate, *fabric, *cell, *directory;
     char out[FILE_PATH];
     struct file trace;
-    int frames, tracing, obj, force, no_picture;
+    int64_t worn; /* steps after which the bodies began to move; 0: they did not
+                   */
+    int frames, tracing, obj, force, no_motion, no_picture;
 };
 
 /* Replaces a file's name, if it is one in this folder, by its whole path. */
@@ -66,27 +68,50 @@ static void name_files(json_t *root, const char *file)
     }
 }
 
-static int read_number(const char *text, double lo, double hi, double *out)
+/* Reads the value of an option, if it is given. */
+static int read_number(const char *option, const char *text, double lo,
+                       double hi, double *out)
 {
     char *end;
+    if (!text)
+        return APP_OK;
     *out = strtod(text, &end);
     if (end != text && !*end && *out >= lo && *out <= hi)
         return APP_OK;
-    return complain(APP_USAGE, "--cell %s: expected metres from %g to %g", text,
-                    lo, hi);
+    return complain(APP_USAGE, "%s %s: expected a number from %g to %g", option,
+                    text, lo, hi);
+}
+
+/* The obstacle of a body, which a second brings to where its motion begins. */
+static json_t *wrap_body(const struct sew *sew, double rate)
+{
+    json_t *body = json_pack("{s:s, s:s}", "name", "body", "mesh", sew->body);
+    if (sew->motion)
+        json_object_set_new(
+            body, "frames",
+            json_pack("{s:s, s:f, s:f}",
+                      strchr(sew->motion, '%') ? "files" : "file", sew->motion,
+                      "dt", 1 / rate, "lead", 1.0));
+    return body;
 }
 
 /* The scene of a pattern and a body. NULL after one line. */
 static json_t *wrap(const struct sew *sew, const char *file)
 {
-    json_t *garment = json_object(), *scene = json_object();
-    double cell = 0.005;
+    double cell = 0.005, rate = 60;
     const char *slash = strrchr(file, '/');
-    if (sew->cell && read_number(sew->cell, 1e-4, 0.1, &cell) != APP_OK) {
-        json_decref(garment);
-        json_decref(scene);
+    if (read_number("--cell", sew->cell, 1e-4, 0.1, &cell) != APP_OK ||
+        read_number("--rate", sew->rate, 1e-3, 1e6, &rate) != APP_OK)
+        return NULL;
+    if (sew->rate && !sew->motion) {
+        complain(APP_USAGE, "--rate: expected --motion beside it");
         return NULL;
     }
+    if (sew->motion && !sew->body) {
+        complain(APP_USAGE, "--motion: expected --body, which it moves");
+        return NULL;
+    }
+    json_t *garment = json_object(), *scene = json_object();
     json_object_set_new(garment, "pattern", json_string(file));
     json_object_set_new(garment, "cell", json_real(cell));
     if (sew->fabric)
@@ -100,9 +125,8 @@ static json_t *wrap(const struct sew *sew, const char *file)
     json_object_set_new(scene, "frames", json_integer(600));
     json_object_set_new(scene, "garments", json_pack("[o]", garment));
     if (sew->body)
-        json_object_set_new(
-            scene, "obstacles",
-            json_pack("[{s:s, s:s}]", "name", "body", "mesh", sew->body));
+        json_object_set_new(scene, "obstacles",
+                            json_pack("[o]", wrap_body(sew, rate)));
     /* names begin in the present folder, as on every command line */
     name_files(scene, ".");
     return scene;
@@ -120,10 +144,10 @@ static int load(struct sew *sew, const char *file)
         if (!sew->root)
             return APP_USAGE;
     } else {
-        if (sew->body || sew->cell || sew->fabric)
+        if (sew->body || sew->cell || sew->fabric || sew->motion || sew->rate)
             return complain(APP_USAGE,
-                            "%s is no pattern: --body, --cell and --fabric are "
-                            "keys of a scene",
+                            "%s is no pattern: --body, --motion, --rate, "
+                            "--cell and --fabric are keys of a scene",
                             file);
         name_files(sew->root, file);
     }
@@ -135,6 +159,12 @@ static int load(struct sew *sew, const char *file)
     if (status == APP_OK && !sew->scene.def.n_seams)
         status = complain(APP_USAGE, "%s: there is no seam to sew", file);
     return status;
+}
+
+/* The steps in which the bodies are to move. */
+static int64_t moves(const struct sew *sew)
+{
+    return sew->no_motion ? 0 : sewing_moves(&sew->sewing);
 }
 
 static int begin(struct sew *sew, const char *file)
@@ -161,6 +191,7 @@ static int begin(struct sew *sew, const char *file)
     struct claim claim = {report_id(&sew->report, scene, id), NULL, 0,
                           sew->force};
     sew->output.obj = sew->obj;
+    sew->output.moving = moves(sew) > 0;
     status =
         output_open(&sew->output, scene, sew->sewing.world, sew->out, &claim);
     if (status == APP_OK &&
@@ -245,7 +276,8 @@ static int tell(const struct sew *sew, const struct totals *t, const char *end)
     stretch_tell(sew->output.stretch, sew->output.cloth_part,
                  sew->output.cloths);
     if (!s->rest)
-        complain(0, "note: it has not come to rest");
+        complain(0, "note: it has not come to rest%s",
+                 sew->worn ? " before the bodies moved" : "");
     if (t->not_clean)
         complain(APP_FINDINGS, "%lld of %lld steps are not clean",
                  (long long)t->not_clean, (long long)t->steps);
@@ -281,8 +313,9 @@ static bool put_scene(const struct sew *sew)
     return file_close(&file);
 }
 
-/* Takes the last frame from the front and from behind. */
-static int take_pictures(const struct sew *sew)
+/* Takes the frame at a step, or the one that is there before it, from the front
+ * and from behind. */
+static int take_pictures(const struct sew *sew, int64_t step)
 {
     static const char *const names[] = {"front", "back"};
     struct pool pool = {0};
@@ -290,20 +323,20 @@ static int take_pictures(const struct sew *sew)
     struct model model;
     struct shot shot = {.width = 600, .height = 800, .samples = 16};
     char folder[FILE_PATH], name[64];
-    int last = sew->sewn.frame[sew->sewn.count - 1].frame;
-    last -= last % sew->output.every;
+    int k = (int)(step / sew->scene.steps_per_frame);
+    k -= k % sew->output.every;
     uint8_t *rgb = malloc((size_t)shot.width * (size_t)shot.height * 3);
     int status = rgb ? look_load(&pool, sew->out, &look) : no_memory();
     if (status == APP_OK)
-        status = model_load(&pool, sew->out, last, &look, &model);
+        status = model_load(&pool, sew->out, k, &look, &model);
     if (status == APP_OK && (!file_join(folder, sew->out, "pictures") ||
                              !file_make_directory(folder)))
         status = APP_FAILED;
-    for (int k = 0; k < 2 && status == APP_OK; k++) {
+    for (int side = 0; side < 2 && status == APP_OK; side++) {
         shot.camera = look.camera;
-        shot.turned = 180 * k;
+        shot.turned = 180 * side;
         status = picture_take(&model, &shot, rgb);
-        snprintf(name, sizeof name, "%s_%04d.png", names[k], last);
+        snprintf(name, sizeof name, "%s_%04d.png", names[side], k);
         if (status == APP_OK &&
             !picture_save(folder, name, rgb, shot.width, shot.height))
             status = APP_FAILED;
@@ -321,30 +354,66 @@ static int finish(struct sew *sew, int code)
     sew->scene.def = s->whole; /* not the last stage's */
     const char *end = code == APP_INTERRUPTED ? "interrupted"
                       : code == APP_FINDINGS  ? "diverged"
-                      : s->rest               ? "at rest"
+                      : s->rest && !sew->worn ? "at rest"
                                               : "complete";
     int64_t frame = totals.done / sew->scene.steps_per_frame;
     int status = output_cache(&sew->output, (int)frame);
     if (status != APP_OK ||
         !report_write(&sew->report, &sew->scene, s->world, sew->out, end) ||
-        !sewn_write(&sew->sewn, s, sew->out) || !sewn_save(s, sew->out) ||
-        !put_scene(sew) || (sew->tracing && !file_close(&sew->trace)))
+        !sewn_write(&sew->sewn, s, sew->out) ||
+        (!sew->worn && !sewn_save(s, sew->out)) || !put_scene(sew) ||
+        (sew->tracing && !file_close(&sew->trace)))
         return APP_FAILED;
-    if (!sew->no_picture)
-        status = take_pictures(sew);
+    if (!sew->no_picture && sew->worn)
+        status = take_pictures(sew, sew->worn);
+    if (!sew->no_picture && status == APP_OK)
+        status = take_pictures(sew, totals.done);
     int found = tell(sew, &totals, end);
     return status != APP_OK ? status : code == APP_OK ? found : code;
 }
 
-static int simulate(struct sew *sew)
+/* Sews the garment until it is at rest, at most so many steps. */
+static int wear(struct sew *sew, int64_t total)
 {
-    int64_t total = (int64_t)sew->scene.frames * sew->scene.steps_per_frame;
-    progress_catch_stop();
-    int code = put_frame(sew, 0);
+    int code = APP_OK;
     progress_begin(&sew->progress, 0, total);
     while (code == APP_OK && sew->sewing.steps < total && !sew->sewing.rest)
         code = progress_stopped() ? APP_INTERRUPTED : step(sew);
     progress_end(&sew->progress);
+    return code;
+}
+
+/* Lets the bodies move, if the garment is worn, to a whole frame. */
+static int move(struct sew *sew)
+{
+    int64_t each = sew->scene.steps_per_frame;
+    int64_t total = sew->sewing.steps + moves(sew);
+    if (!moves(sew))
+        return APP_OK;
+    if (sew->sewing.stage != SEWING_WORN)
+        return complain(APP_OK, "note: no body moves, as the garment is not "
+                                "worn after the frames of --frames");
+    if (!sewn_save(&sew->sewing, sew->out))
+        return APP_FAILED;
+    sew->worn = sew->sewing.steps;
+    int code = sewing_move(&sew->sewing);
+    total = (total + each - 1) / each * each;
+    progress_begin(&sew->progress, sew->worn, total);
+    while (code == APP_OK && sew->sewing.steps < total)
+        code = progress_stopped() ? APP_INTERRUPTED : step(sew);
+    progress_end(&sew->progress);
+    return code;
+}
+
+static int simulate(struct sew *sew)
+{
+    progress_catch_stop();
+    int code = put_frame(sew, 0);
+    if (code == APP_OK)
+        code =
+            wear(sew, (int64_t)sew->scene.frames * sew->scene.steps_per_frame);
+    if (code == APP_OK)
+        code = move(sew);
     return code == APP_FAILED ? code : finish(sew, code);
 }
 
@@ -354,6 +423,8 @@ int command_sew(int argc, char **argv)
     sew.output.every = 1;
     const struct option_row options[] = {
         TEXT_OPTION("--body", &sew.body),
+        TEXT_OPTION("--motion", &sew.motion),
+        TEXT_OPTION("--rate", &sew.rate),
         TEXT_OPTION("--cell", &sew.cell),
         TEXT_OPTION("--fabric", &sew.fabric),
         INT_OPTION("--frames", &sew.frames, 0, 1000000),
@@ -366,6 +437,7 @@ int command_sew(int argc, char **argv)
         FLAG_OPTION("--force", &sew.force),
         FLAG_OPTION("--trace", &sew.tracing),
         FLAG_OPTION("--obj", &sew.obj),
+        FLAG_OPTION("--no-motion", &sew.no_motion),
         FLAG_OPTION("--no-picture", &sew.no_picture),
         {0}};
     int positional;

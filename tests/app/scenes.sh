@@ -177,10 +177,10 @@ denied '$.obstacles[0]: expected one of mesh, shape and frames' '"obstacles": [{
 denied '$.obstacles[1]: expected one of mesh, shape and frames' \
     "\"obstacles\": [{$box}, {$box, \"mesh\": \"good.ply\"}]"
 for files in wave wave_%d_%d.ply wave_%0004d.ply wave_%s.ply wave_%4; do
-    denied 'frames: expected files with one %d or %04d in the name, and count' \
+    denied 'frames: expected files with one %d or %04d in the name' \
         "\"obstacles\": [{\"frames\": {\"files\": \"$files\", \"count\": 2}}]"
 done
-denied 'frames: expected files with one' \
+denied 'mesh wave_1.ply: found neither' \
     '"obstacles": [{"frames": {"files": "wave_%d.ply"}}]'
 denied 'frames: expected files with one' '"obstacles": [{"frames": {"count": 2}}]'
 denied '$.obstacles[0].frames.count: 0: expected' \

@@ -44,6 +44,7 @@ def cache(name, frames, head=b"POINTCACHE2\0", version=1, points=4, rate=1.0, cu
 good = [frame(k) for k in range(3)]
 cache("good.pc2", good)
 cache("half.pc2", good, rate=0.5)
+cache("late.pc2", good[1:])
 cache("head.pc2", good, head=b"POINTCACHE3\0")
 cache("newer.pc2", good, version=2)
 cache("count.pc2", good, points=5)
@@ -88,6 +89,15 @@ rises 'OBJ files' '"frames": {"files": "tetra_%d.obj", "count": 3, "dt": 0.5}' \
     '[1, 2, 3, 3, 3]'
 rises 'OFF files with a place that two vertices share once' \
     '"frames": {"files": "meet_%d.off", "count": 2, "dt": 0.5}' '[0, 1, 1, 1, 1]'
+rises 'as many OBJ files as there are' '"frames": {"files": "tetra_%d.obj", "dt": 0.5}' \
+    '[1, 2, 3, 3, 3]'
+late='"mesh": "tetra.ply", "frames": {"file": "late.pc2", "dt": 0.5'
+rises 'a mesh that goes to the first frame' "$late, \"lead\": 1}" '[1, 1.5, 2, 3, 3]'
+rises 'at times of their own' "$late, \"times\": [0.5, 0.75], \"lead\": 0.5}" \
+    '[1, 1, 2, 3, 3]'
+rises 'the same of OBJ files' '"mesh": "tetra_0.obj", "frames": {"files": "tetra_%d.obj",
+    "first": 1, "dt": 0.5, "lead": 1}' '[1, 1.5, 2, 3, 3]'
+rises 'a mesh that is there' "$mesh, \"dt\": 0.5, \"lead\": 1}" '[1, 2, 3, 3, 3]'
 # wrong NAME KEYS TEXT
 wrong() {
     tells wrong.json "$2"
@@ -118,6 +128,10 @@ wrong 'a motion and frames' "$mesh}, \"motion\": \"m\"" 'has both a motion and f
 wrong 'times that do not ascend' "$mesh, \"times\": [0, 1, 1]}" \
     'frames.times[2]: 1: expected more than 1'
 wrong 'too few times' "$mesh, \"times\": [0, 1]}" 'frames.times: 2 times of 3 frames'
+wrong 'a lead from no mesh' '"frames": {"files": "tetra_%d.obj", "lead": 1}' \
+    'frames.lead: expected the mesh beside it that goes to the first frame'
+wrong 'a lead to another mesh' '"mesh": "tetra.ply", "frames": {"file": "count.pc2", "lead": 1}' \
+    'count.pc2: has 5 vertices, its mesh 4'
 wrong 'no times' "$mesh, \"times\": []}" 'frames.times: expected a time a frame'
 wrong 'another way between' "$mesh, \"between\": \"spline\"}" '"spline"'
 limb='"shape": "limb", "radius": 0.1, "length": 0.4, "detail": 16'

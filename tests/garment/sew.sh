@@ -129,6 +129,54 @@ is 'counts what seams join, and says so' grep -q 'tells no seams' err
 mv elsewhere.json tee.json
 refused 'a garment that is not sewn' 'is not sewn yet: `drape sew` sews it' \
     run worn.json --out refused
+# a body that walks, and one that goes to where its walk begins
+cp "$root/app/patterns/skirt.json" .
+python3 "$root/app/patterns/walk.py" walk 0.5
+exits 'a skirt is sewn on a body that walks' 0 sew skirt.json --body walk/body.ply \
+    --motion walk/walk.pc2 --cell 0.04 --frames 130 --no-picture --out shirt --force
+is 'the body is where its frames have it' python3 -c '
+import json
+import struct
+from geometry import load
+sew = json.load(open("shirt/sew.json"))
+worn = sew["stages"]["moving"]
+assert worn <= 130 and sew["steps"] == worn + 30, sew["stages"]
+assert sum(f["stage"] == "moving" for f in sew["frames"]) == 30
+cache = open("walk/walk.pc2", "rb").read()
+n = struct.unpack_from("<i", cache, 16)[0]
+for k in (0, 1, worn, worn + 1, worn + 30):
+    frame = max(k - worn, 0)
+    want = list(struct.iter_unpack("<3f", cache[32 + 12 * n * frame:][:12 * n]))
+    x = load("shirt/frames/obstacles_%04d.ply" % k)[0]
+    assert [tuple(p) for p in x] == want, k'
+is 'all seams hold' closed '
+all(s["closed"] and s["gap_cells"] < 0.01 for s in sew["seams"])'
+exits 'nothing crosses as it walks' 0 audit shirt
+is 'the garment that is left is the one before' python3 -c '
+from geometry import load
+import json
+worn = json.load(open("shirt/sew.json"))["stages"]["moving"]
+x = load("shirt/sewn_0000.ply")[0]
+assert x == load("shirt/frames/cloth_%04d.ply" % worn)[0]
+assert x != load("shirt/frames/cloth_%04d.ply" % (worn + 30))[0]'
+exits 'and its scene walks' 0 run shirt/sewn.json --frames 5 --out on --force
+python3 - <<'EOT'
+import json
+scene = json.load(open("shirt/sewn.json"))
+scene["garments"][0].pop("sewn")
+scene["garments"][0]["cell"] = 0.06
+json.dump(scene, open("walks.json", "w"))
+EOT
+exits 'a scene says that bodies move' 1 sew walks.json --frames 20 --no-picture \
+    --out shirt --force
+is 'which they do not before it is worn' grep -q 'no body moves, as the garment is not' err
+exits 'or not at all' 1 sew walks.json --frames 20 --no-motion --no-picture --out shirt \
+    --force
+is 'without a word' sh -c '! grep -q "moves" err'
+refused 'a motion of no body' '--motion: expected --body' sew skirt.json --motion walk/walk.pc2
+refused 'a rate of nothing' '--rate: expected --motion' sew skirt.json --rate 30
+refused 'no rate' '--rate x: expected a number' sew skirt.json --rate x
+refused 'a motion of a scene' '--motion, --rate' sew worn.json --motion walk/walk.pc2
 # a plate between front and back, wider than both
 python3 - <<'EOT'
 import json
