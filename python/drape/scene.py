@@ -385,11 +385,14 @@ class Frames(Keys):
 
     Attributes:
         files: with one %d or %04d in the name
-        first, count: numbers of the files
+        first, count: number of the first file, 0 or 1, and how many there are:
+            as many as follow each other
         file: instead of these a point cache (.pc2) of the mesh that the obstacle
             has, a .ply or .off file
         dt: s between frames, or times: s, ascending, one a frame
         between: frames: "linear" or "cubic"
+        lead: s in which the mesh that the obstacle has goes to the first frame,
+            unless it is there
     """
 
     files: str | None = None
@@ -399,6 +402,7 @@ class Frames(Keys):
     dt: float | None = None
     times: Vector | None = None
     between: str | None = None
+    lead: float | None = None
 
 
 @dataclass(kw_only=True, eq=False, repr=False)

@@ -61,7 +61,7 @@ class SewnFrame:
 
     Attributes:
         frame, step: its number, and the steps before it
-        stage: "darts", "seams", "across" or "worn"
+        stage: "darts", "seams", "across", "worn" or "moving"
         gap_cells: the largest gap as a part of a cell, of the seams whose turn has
             come; seam: which has it; open: how many are; waiting: their points that
             pull as hard as they may
@@ -86,7 +86,7 @@ class Sewn:
     Attributes:
         folder: has what `drape sew` writes (app/patterns/README.md §11); one that
             `sew` has chosen goes with this object
-        end: "at rest", or "complete": all frames were made before
+        end: "at rest", or "complete": all frames were made before, or bodies moved
         steps: of dt s each
         dt: s
         outcome: all that happened in any of the steps
@@ -133,8 +133,8 @@ class Sewn:
 
     @functools.cached_property
     def positions(self) -> NDArray[np.floating[Any]]:
-        """[n, 3] m, the particles of all garments as they are sewn, in the order of
-        the garments and of their panels."""
+        """[n, 3] m, the particles of all garments as they are sewn, before bodies
+        move, in the order of the garments and of their panels."""
         files = sorted(self.folder.glob("sewn_*.ply"))
         return np.concatenate([read_ply(file)[0] for file in files])
 
@@ -148,7 +148,7 @@ class Sewn:
     @property
     def scene(self) -> scenes.Scene:
         """A scene that begins as sewing ended, with bodies that move if they have
-        motions."""
+        motions or frames."""
         return scenes.Scene.load(self.folder / "sewn.json")
 
     @property
@@ -171,6 +171,8 @@ def sew(
     pattern: scenes.SceneLike,
     body: Any = None,
     *,
+    motion: str | os.PathLike[str] | bool | None = None,
+    rate: float = 60,
     cell: float | None = None,
     material: str | scenes.Material | Mapping[str, Any] | None = None,
     folder: str | os.PathLike[str] | None = None,
@@ -189,12 +191,20 @@ def sew(
             garments and obstacles, without `body`, `cell` and `material`
         body: that wears it: an `Obstacle` or a list of these; or a mesh: a file, or
             what an obstacle takes as `mesh`
+        motion: how the body, a mesh, moves once it wears the garment: a point cache
+            (.pc2) of its file, or numbered files of it with %d or %04d in the name;
+            where its first frame is not the mesh, a second brings the body there.
+            Bodies of a scene move as it says; False: they stay where they are at
+            time 0
+        rate: frames of `motion` a second
         cell: m, side of a cell; default: 0.005
         material: a fabric's name, a `Material` or a mapping; default: light cotton
         folder: for what is written; default: one that goes with what is returned
-        frames: at most; default: the scene's, of a pattern 600
+        frames: at most, until the garment is at rest; default: the scene's, of a
+            pattern 600
         every: of the frames, which are written
-        pictures: whether some are taken from the front and from the back
+        pictures: whether some are taken from the front and from the back, when the
+            garment is worn and when bodies have moved
         force: whether files of another run are removed from the folder
         log: called with each line that the tool says: its progress, every few seconds,
             and its notes, which are warnings otherwise
@@ -206,11 +216,13 @@ def sew(
         Error: the tool failed
     """
     given = {"body": body, "cell": cell, "material": material}
+    given["motion"] = None if motion in (True, False, None) else (motion, rate)
     text = with_keys(scenes.read(_wrapped(pattern, given)), keys)
     if any(text.cloths):
         raise SceneError(f"{text.file}: the tool that sews reads no arrays of cloths")
     words: list[object] = ["--every", every]
     words += [] if frames is None else ["--frames", frames]
+    words += ["--no-motion"] if motion is False else []
     words += [] if pictures else ["--no-picture"]
     words += ["--force"] if force else []
     if folder is not None:
@@ -288,7 +300,7 @@ def _wrapped(pattern: scenes.SceneLike, given: Mapping[str, Any]) -> scenes.Scen
         name=file.stem,
         frames=600,
         garments=[garment],
-        obstacles=_bodies(given["body"]),
+        obstacles=_bodies(given["body"], given["motion"]),
     )
 
 
@@ -300,9 +312,20 @@ def _is_pattern(pattern: scenes.SceneLike) -> bool:
     return isinstance(tree_of(scenes.read(pattern)).get("pattern"), dict)
 
 
-def _bodies(body: Any) -> list[Any] | None:
-    """Returns the obstacles of a body."""
+def _bodies(body: Any, motion: Any) -> list[Any] | None:
+    """Returns the obstacles of a body, of which a file's mesh may move."""
     kinds = scenes.Obstacle, Mapping
+    if motion is not None:
+        name, rate = os.fspath(motion[0]), motion[1]
+        if not isinstance(body, (str, os.PathLike)):
+            raise SceneError(
+                "motion: expected a body, the file of a mesh, which it moves"
+            )
+        if not rate > 0:
+            raise SceneError(f"rate: {rate}: expected frames a second, above 0")
+        keys: dict[str, Any] = {"files" if "%" in name else "file": name}
+        frames = scenes.Frames(**keys, dt=1 / rate, lead=1)
+        return [scenes.Obstacle(name="body", mesh=body, frames=frames)]
     if body is None or isinstance(body, kinds):
         return body if body is None else [body]
     if isinstance(body, (list, tuple)) and all(isinstance(b, kinds) for b in body):

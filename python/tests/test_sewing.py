@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import gc
 import json
+import struct
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 
 import drape
+from drape._meshes import ply
 
 SIDE = 20  # cm
 
@@ -112,6 +114,53 @@ def test_bodies_in_any_form(
     del sewn
     gc.collect()
     assert not place.exists()  # a folder of its own goes with it
+
+
+def test_the_garment_follows_a_body_that_moves(flaps: Path, tmp_path: Path) -> None:
+    """The rail rises by 2 cm in the frames of a point cache, from where the mesh is or
+    after the second in which the mesh goes there; and in numbered files."""
+    world = drape.World({"cloths": [{}], "obstacles": [rail()]})
+    part = world.bodies[1]
+    x = world.read()[0][part.vertices].astype(np.float32)
+    tri = world.triangles[part.triangles] - part.vertices.start
+    up = np.array([0, 0.02, 0], np.float32)
+    file, cache, late = (tmp_path / name for name in ("rail.ply", "up.pc2", "late.pc2"))
+    file.write_bytes(ply(x, tri))
+    poses = [x, x + up / 2, x + up]
+    for name, frames in ((cache, poses), (late, poses[1:])):
+        head = struct.pack("<12siiffi", b"POINTCACHE2", 1, len(x), 0, 1, len(frames))
+        name.write_bytes(head + np.stack(frames).astype("<f4").tobytes())
+    for k, pose in enumerate(poses):
+        (tmp_path / f"up_{k}.ply").write_bytes(ply(pose, tri))
+    how: dict[str, Any] = {"cell": 0.04, "frames": 30, "pictures": False, "rate": 6}
+    sewn = drape.sew(flaps, file, motion=cache, **how)
+    assert sewn.stages["moving"] == 30 and sewn.steps == 50 and sewn.clean
+    assert [each.stage for each in sewn.frames[30:32]] == ["worn", "moving"]
+    assert sewn.end == "complete" and not sewn.open
+    front, back, body = sewn.run.bodies
+
+    def at(made: drape.Sewn, frame: int, of: Any = body) -> Any:
+        return made.run.positions(of, frame)
+
+    assert np.array_equal(at(sewn, 30), x) and np.array_equal(at(sewn, 50), poses[2])
+    assert at(sewn, 50, front)[:, 1].max() > poses[2][:, 1].max()
+    worn = np.concatenate([at(sewn, 30, each) for each in (front, back)])
+    assert np.array_equal(worn, sewn.positions)
+    files = drape.sew(flaps, file, motion=tmp_path / "up_%d.ply", **how)
+    assert np.array_equal(at(files, 50, front), at(sewn, 50, front))
+    led = drape.sew(flaps, file, motion=late, **how)
+    assert led.steps == 30 + 60 + 10 and led.clean
+    assert np.array_equal(at(led, 30), x) and np.array_equal(at(led, 90), poses[1])
+    still = drape.sew(sewn.scene, motion=False, pictures=False, frames=30)
+    assert "moving" not in still.stages
+    with pytest.raises(
+        drape.SceneError, match=r"^motion: expected a body, the file of a mesh"
+    ):
+        drape.sew(flaps, rail(), motion=cache)
+    with pytest.raises(drape.SceneError, match=r"^rate: 0: expected frames a second"):
+        drape.sew(flaps, file, motion=cache, rate=0)
+    with pytest.raises(drape.SceneError, match=r"^motion: it is for a pattern"):
+        drape.sew(sewn.scene, motion=cache)
 
 
 def test_a_seam_that_cannot_close_is_told(flaps: Path) -> None:

@@ -310,7 +310,7 @@ def run(job: Job) -> tuple[dict[str, Any], Data]:
     and `velocities` at the end; `frames` [count, vertices of cloths, 3], `frame_dt`
     s apart; and what `of_world` says of triangles, rest and bodies."""
     began = time.perf_counter()
-    sewn = sew(job.scene, pictures=False) if job.sew else None
+    sewn = sew(job.scene, motion=False, pictures=False) if job.sew else None
     with sewn.world() if sewn else World(job.scene) as world:
         own = 0 if sewn else world.frames
         frames = own if job.frames is None else job.frames
