@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The edges of a panel's outline: lines, Bézier curves and circular arcs. */
+/* The edges of a panel's outline: lines, Bézier curves, circular arcs and
+ * polylines. */
 #include "app/base/curve.h"
 
 #include <math.h>
@@ -44,6 +45,21 @@ void curve_reverse(struct curve *curve)
     if (curve->type == CURVE_CUBIC)
         swap(curve->c, curve->d);
     curve->turn = -curve->turn;
+    curve->back = !curve->back;
+}
+
+const double *curve_corner(const struct curve *curve, int k)
+{
+    if (k <= 0 || k > curve->points)
+        return k <= 0 ? curve->a : curve->b;
+    return curve->point[curve->back ? curve->points - k : k - 1];
+}
+
+/* The length of a polyline from corner k to the next. */
+static double side_of(const struct curve *curve, int k)
+{
+    const double *a = curve_corner(curve, k), *b = curve_corner(curve, k + 1);
+    return plane_length(b[0] - a[0], b[1] - a[1]);
 }
 
 /* The point of a Bézier curve, and its derivative by t. */
@@ -74,6 +90,13 @@ void curve_point(const struct curve *curve, double t, double x[2])
     double unused[2];
     if (t <= 0 || t >= 1) {
         memcpy(x, t <= 0 ? curve->a : curve->b, sizeof curve->a);
+    } else if (curve->type == CURVE_POLYLINE) {
+        double at = t * (curve->points + 1);
+        int k = (int)at < curve->points ? (int)at : curve->points;
+        const double *a = curve_corner(curve, k);
+        const double *b = curve_corner(curve, k + 1);
+        for (int i = 0; i < 2; i++)
+            x[i] = a[i] + (at - k) * (b[i] - a[i]);
     } else if (curve->type == CURVE_ARC) {
         double dx = curve->a[0] - curve->c[0], dy = curve->a[1] - curve->c[1];
         double cosine = cos(t * curve->turn), sine = sin(t * curve->turn);
@@ -105,6 +128,11 @@ double curve_length(const struct curve *curve)
                             curve->b[1] - curve->a[1]);
     if (curve->type == CURVE_ARC)
         return radius_of(curve) * fabs(curve->turn);
+    if (curve->type == CURVE_POLYLINE) {
+        for (int k = 0; k <= curve->points; k++)
+            sum += side_of(curve, k);
+        return sum;
+    }
     for (int k = 0; k < 5 * PARTS; k++) {
         bezier(curve, (k / 5 + at[k % 5]) / PARTS, x, dx);
         sum += weight[k % 5] * plane_length(dx[0], dx[1]) / PARTS;
@@ -121,6 +149,14 @@ double curve_area(const struct curve *curve)
                 curve->c[0] * (curve->b[1] - curve->a[1]) -
                 curve->c[1] * (curve->b[0] - curve->a[0])) /
                2;
+    }
+    if (curve->type == CURVE_POLYLINE) {
+        for (int k = 0; k <= curve->points; k++) {
+            const double *a = curve_corner(curve, k);
+            const double *b = curve_corner(curve, k + 1);
+            sum += (a[0] * b[1] - a[1] * b[0]) / 2;
+        }
+        return sum;
     }
     for (int k = 0; k < 5; k++) {
         bezier(curve, at[k], x, dx);
@@ -146,6 +182,14 @@ static double largest_bend(const struct curve *curve)
 
 int curve_chords(const struct curve *curve, double error, double longest)
 {
+    if (curve->type == CURVE_POLYLINE) {
+        /* each side of it has the same number, so that corners are kept */
+        double most = 0;
+        for (int k = 0; k <= curve->points; k++)
+            most = fmax(most, side_of(curve, k));
+        double each = fmax(ceil(most / longest), 1);
+        return (int)fmin(each * (curve->points + 1), CURVE_CHORDS);
+    }
     /* A chord over a step δ of t is off by at most |second derivative| δ²/8. */
     double by_error = sqrt(largest_bend(curve) / (8 * error));
     double by_length = curve_length(curve) / longest;

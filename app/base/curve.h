@@ -1,19 +1,28 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The edges of a panel's outline in the plane: lines, Bézier curves and
- * circular arcs. Pure geometry: app/patterns/README.md §2. */
+/* The edges of a panel's outline in the plane: lines, Bézier curves, circular
+ * arcs and polylines. Pure geometry: app/patterns/README.md §2. */
 #ifndef APP_BASE_CURVE_H
 #define APP_BASE_CURVE_H
 
 #include <math.h>
 #include <stdbool.h>
 
-enum curve_type { CURVE_LINE, CURVE_QUADRATIC, CURVE_CUBIC, CURVE_ARC };
+enum curve_type {
+    CURVE_LINE,
+    CURVE_QUADRATIC,
+    CURVE_CUBIC,
+    CURVE_ARC,
+    CURVE_POLYLINE
+};
 
 struct curve {
     enum curve_type type;
-    double a[2], b[2]; /* where it begins and ends, m */
-    double c[2], d[2]; /* control points; of an arc, c is its centre */
-    double turn;       /* of an arc: its angle, counter-clockwise, rad */
+    double a[2], b[2];  /* where it begins and ends, m */
+    double c[2], d[2];  /* control points; of an arc, c is its centre */
+    double turn;        /* of an arc: its angle, counter-clockwise, rad */
+    int points;         /* of a polyline, between its ends */
+    double (*point)[2]; /* [points] m, the caller's */
+    bool back;          /* the points are passed from the last to the first */
 };
 
 /* √(x² + y²). hypot would ask for glibc 2.35 at run time. */
@@ -40,5 +49,8 @@ double curve_area(const struct curve *curve);
  * curve and are at most about `longest`. 1 … CURVE_CHORDS. */
 enum { CURVE_CHORDS = 1 << 20 };
 int curve_chords(const struct curve *curve, double error, double longest);
+/* Corner k of a polyline, 0 … points + 1, its ends among them. Steps of t are
+ * the same from corner to corner. */
+const double *curve_corner(const struct curve *curve, int k);
 
 #endif

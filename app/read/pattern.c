@@ -51,6 +51,8 @@ static void scale(struct pattern_panel *panel, double by)
             curve->b[i] *= by;
             curve->c[i] *= by;
             curve->d[i] *= by;
+            for (int p = 0; p < curve->points; p++)
+                curve->point[p][i] *= by;
         }
     }
 }

@@ -12,8 +12,8 @@ enum { VERTICES = 10000 };
 /* Lengths in the file's unit, and angles. */
 static const double far = 1e7;
 
-const char *const pattern_types[] = {"line", "quadratic", "cubic", "circle",
-                                     NULL};
+const char *const pattern_types[] = {"line",   "quadratic", "cubic",
+                                     "circle", "polyline",  NULL};
 
 /* What the readers of a panel share. */
 struct reading {
@@ -27,7 +27,8 @@ struct curvature {
     json_t *params;
 };
 
-static const char *const curve_names[] = {"quadratic", "cubic", "circle", NULL};
+static const char *const curve_names[] = {"quadratic", "cubic", "circle",
+                                          "polyline", NULL};
 
 /* A label; an empty one is none. */
 static int read_label(struct json *json, json_t *node, void *out)
@@ -58,6 +59,13 @@ static int read_vertices(struct json *json, json_t *node, void *out)
     return status;
 }
 
+/* Whether two places are more apart than rounding leaves one. */
+static bool is_apart(const double a[2], const double b[2])
+{
+    return plane_length(b[0] - a[0], b[1] - a[1]) >
+           1e-9 * (1 + plane_length(a[0], a[1]) + plane_length(b[0], b[1]));
+}
+
 /* The two ends of an edge: numbers of vertices. */
 static int read_ends(struct json *json, json_t *node, void *out)
 {
@@ -80,8 +88,7 @@ static int read_ends(struct json *json, json_t *node, void *out)
     const double *b = panel->vertex[edge->end[1]];
     memcpy(edge->curve.a, a, sizeof edge->curve.a);
     memcpy(edge->curve.b, b, sizeof edge->curve.b);
-    if (!(plane_length(b[0] - a[0], b[1] - a[1]) >
-          1e-9 * (1 + plane_length(a[0], a[1]) + plane_length(b[0], b[1]))))
+    if (!is_apart(a, b))
         return json_refuse(json,
                            "the edge has no length: both ends are at "
                            "(%.6g, %.6g)",
@@ -122,6 +129,36 @@ static int read_bezier(struct json *json, json_t *params, struct curve *curve,
         if (status != APP_OK)
             return status;
         json_leave(json, length);
+    }
+    return APP_OK;
+}
+
+/* The points of a polyline between its ends. */
+static int read_polyline(struct json *json, json_t *params, struct curve *curve)
+{
+    size_t count = json_array_size(params);
+    if (!json_is_array(params) || !count || count > VERTICES)
+        return json_refuse(json, "expected a list of 1 to %d points", VERTICES);
+    curve->point = pool_take(json->pool, count, sizeof *curve->point);
+    if (!curve->point)
+        return complain(APP_FAILED, "out of memory");
+    curve->type = CURVE_POLYLINE;
+    for (size_t k = 0; k < count; k++) {
+        size_t length = json_enter(json, "[%d]", (int)k);
+        int status = read_control(json, json_array_get(params, k), curve,
+                                  curve->point[k]);
+        if (status != APP_OK)
+            return status;
+        json_leave(json, length);
+    }
+    curve->points = (int)count;
+    for (int k = 0; k <= curve->points; k++) {
+        const double *a = curve_corner(curve, k);
+        const double *b = curve_corner(curve, k + 1);
+        if (!is_apart(a, b))
+            return json_refuse(json,
+                               "corners %d and %d are one place, (%.6g, %.6g)",
+                               k, k + 1, a[0], a[1]);
     }
     return APP_OK;
 }
@@ -181,9 +218,12 @@ static int read_curvature(struct json *json, json_t *node, void *out)
     if (status != APP_OK)
         return status;
     size_t length = json_enter(json, ".params");
-    status = curvature.type == 2 ? read_circle(json, curvature.params, curve)
-                                 : read_bezier(json, curvature.params, curve,
-                                               curvature.type + 1);
+    if (curvature.type == 3)
+        status = read_polyline(json, curvature.params, curve);
+    else if (curvature.type == 2)
+        status = read_circle(json, curvature.params, curve);
+    else
+        status = read_bezier(json, curvature.params, curve, curvature.type + 1);
     if (status == APP_OK)
         json_leave(json, length);
     return status;

@@ -69,6 +69,10 @@ static void put_curve(const struct page *page, const struct curve *curve)
         put_point(page, " ", curve->d);
         put_point(page, " ", curve->b);
         break;
+    case CURVE_POLYLINE:
+        for (int k = 1; k <= curve->points + 1; k++)
+            put_point(page, "L", curve_corner(curve, k));
+        break;
     case CURVE_ARC:
         fprintf(page->out, "A%.3f %.3f 0 %d %d ", radius, radius,
                 fabs(curve->turn) > acos(-1), curve->turn < 0);

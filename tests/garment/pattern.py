@@ -50,6 +50,11 @@ def points(panel, edge, unit, n=400):
         c, d = (a + chord * complex(*p) for p in bent["params"])
         line = [(1 - s) ** 3 * a + 3 * s * (1 - s) ** 2 * c + 3 * s * s * (1 - s) * d +
                 s ** 3 * b for s in t]
+    elif bent["type"] == "polyline":
+        corner = [a, *(a + chord * complex(*p) for p in bent["params"]), b]
+        sides = len(corner) - 1  # which divide n
+        at = [divmod(k * sides, n) for k in range(n)]
+        line = [corner[i] + (corner[i + 1] - corner[i]) * r / n for i, r in at] + [b]
     else:
         radius, large, left = bent["params"]
         radius = max(radius, abs(chord) / 2)
@@ -132,7 +137,8 @@ def random_panel(seed):
         for k in range(n):
             edge = {"endpoints": [k, (k + 1) % n]}
             chord = abs(at[k] - at[(k + 1) % n])
-            kind = dice.choice(("line", "quadratic", "cubic", "circle", "old"))
+            kind = dice.choice(("line", "quadratic", "cubic", "circle", "old",
+                                "polyline"))
             y = [round(0.3 * dice.random() - 0.15, 3) for _ in range(2)]
             if kind == "quadratic":
                 edge["curvature"] = {"type": kind, "params": [[0.4, y[0]]]}
@@ -141,6 +147,9 @@ def random_panel(seed):
             elif kind == "circle":
                 edge["curvature"] = {"type": kind, "params": [
                     chord * (1 + dice.random()), 0, dice.randint(0, 1)]}
+            elif kind == "polyline":
+                edge["curvature"] = {"type": kind, "params": [
+                    [0.3, y[0] / 4], [0.5, y[1] / 4], [0.7, y[0] / 4]]}
             elif kind == "old":
                 edge["curvature"] = [0.5, y[0]]
             panel["edges"].append(edge)

@@ -159,6 +159,12 @@ broken 'a curve of too few points' \
     'edges[2]["curvature"]["type"] = "cubic"'
 broken 'a curve without points' "$front.edges[2].curvature: has no \"params\"" \
     'del edges[2]["curvature"]["params"]'
+broken 'a polyline without points' \
+    "$front.edges[1].curvature.params: expected a list of 1 to 10000 points" \
+    'edges[1]["curvature"] = {"type": "polyline", "params": []}'
+broken 'a polyline with a side of no length' \
+    "$front.edges[1].curvature.params: corners 1 and 2 are one place, (26, 12.6)" \
+    'edges[1]["curvature"] = {"type": "polyline", "params": [[0.3, 0], [0.3, 0]]}'
 broken 'a circle without flags' \
     "$front.edges[4].curvature.params: expected a radius and two flags" \
     'edges[4]["curvature"]["params"] = [9]'
