@@ -14,8 +14,8 @@ import cffi
 
 ROOT = Path(__file__).resolve().parent.parent
 
-# The fields of app/scene/scene.h that Python reads or sets; "..." lets the compiler
-# place them.
+# The fields of app/scene/scene.h and of cloth.h there that Python reads or sets; "..."
+# lets the compiler place them.
 SCENE = """
 struct camera { double eye[3], target[3]; double fov; ...; };
 struct scene {
@@ -29,6 +29,7 @@ struct scene {
     int status;
     ...;
 };
+struct cloth_panel { drape_panel panel; double at[2]; ...; };
 """
 
 # Functions of Python that the library calls.

@@ -23,11 +23,13 @@ struct pin {
     int outline;         /* of a panel: the pattern's edge, -1: none */
     double at[2], every; /* m at rest */
 };
-/* A cloth that is a panel of a sewing pattern. */
+/* A cloth that is a panel of a sewing pattern. The library's part is the first,
+ * as Python finds the others by it. */
 struct cloth_panel {
     drape_panel panel;
     uint8_t *cell;             /* [(m - 1) (n - 1)] the panel's */
     const double (*placed)[3]; /* [m n] m, where the pattern places it */
+    double at[2];              /* m, in the pattern: rest is from there */
     uint8_t *there;            /* [m n] 1: there is such a particle */
     int32_t (*edge)[2]; /* [m n] edges of the pattern's panel that the particle
                            is on, -1: none */

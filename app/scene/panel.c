@@ -97,6 +97,7 @@ int panel_keep(struct pool *pool, const struct garment_panel *p,
     to->panel = (drape_panel){.rest = (const double(*)[2])rest, .cell = cell};
     to->cell = cell;
     to->placed = (const double(*)[3])x;
+    memcpy(to->at, cut->at, sizeof to->at);
     to->edges = p->panel->edges;
     cloth->panel = to;
     cloth->particles[0] = cut->m;

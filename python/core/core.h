@@ -5,6 +5,7 @@
 #ifndef PYTHON_CORE_CORE_H
 #define PYTHON_CORE_CORE_H
 
+#include "app/scene/cloth.h"
 #include "app/scene/scene.h"
 
 /* CORE_BEGIN */
