@@ -61,6 +61,7 @@ from .scene import (
 )
 from .sewing import Seam, Sewn, SewnFrame, sew
 from .sweeps import Sweep, Variant, grid, sample, sweep
+from .uvmesh import Chart, UVMesh
 from .viewer.show import Viewer, view
 from .world import Reports, World
 
@@ -78,6 +79,7 @@ __all__ = [
     "Bend",
     "Body",
     "Camera",
+    "Chart",
     "CheckpointError",
     "Cloth",
     "Contacts",
@@ -115,6 +117,7 @@ __all__ = [
     "StepReport",
     "Sweep",
     "Touches",
+    "UVMesh",
     "Variant",
     "Verdict",
     "Viewer",

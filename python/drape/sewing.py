@@ -23,8 +23,9 @@ from . import scene as scenes
 from . import tool
 from ._define import tree_of, with_keys
 from .errors import DivergedError, SceneError, warn
-from .export.run import Run, read_ply
+from .export.run import Run, numbered, read_ply
 from .reports import Outcome
+from .uvmesh import CELL, UVMesh
 from .world import NOT_CLEAN, World
 
 SCENE = "scene.json"  # what is sewn, in its folder
@@ -135,8 +136,68 @@ class Sewn:
     def positions(self) -> NDArray[np.floating[Any]]:
         """[n, 3] m, the particles of all garments as they are sewn, before bodies
         move, in the order of the garments and of their panels."""
-        files = sorted(self.folder.glob("sewn_*.ply"))
-        return np.concatenate([read_ply(file)[0] for file in files])
+        return np.concatenate(self._sewn)
+
+    @functools.cached_property
+    def _sewn(self) -> list[NDArray[np.floating[Any]]]:
+        """The particles of each garment at the end."""
+        return [read_ply(file)[0] for file in sorted(self.folder.glob("sewn_*.ply"))]
+
+    @functools.cached_property
+    def meshes(self) -> list[UVMesh | None]:
+        """Of each garment the mesh that it was made of; None: it is of a pattern."""
+        found = []
+        for garment in self._garments:
+            file = os.path.join(self.folder, garment["pattern"])
+            found.append(UVMesh.of_pattern(file))
+        return found
+
+    @functools.cached_property
+    def _garments(self) -> list[dict[str, Any]]:
+        text = (self.folder / "sewn.json").read_text(encoding="utf-8")
+        garments: list[dict[str, Any]] = json.loads(text)["garments"]
+        return garments
+
+    def vertices(self, frame: int | None = None, garment: int = 0) -> NDArray[Any]:
+        """Returns where the cloth carries the vertices of a garment's mesh, [n, 3] m.
+
+        Args:
+            frame: of those that were written; default: the end
+            garment: its number
+        """
+        meshes = self.meshes
+        mesh = meshes[garment] if garment < len(meshes) else None
+        if mesh is None:
+            raise SceneError(f"{self.folder}: garment {garment} is of no mesh")
+        counts = [len(each) for each in self._sewn]
+        if frame is None:
+            x = self._sewn[garment]
+        else:  # garments are the last of the cloths
+            all_ = self.run.particles(frame)
+            first = len(all_) - sum(counts[garment:])
+            x = all_[first : first + counts[garment]]
+        return mesh.carried(x, self._garments[garment].get("cell", CELL))
+
+    def save_mesh(self, path: str | os.PathLike[str], garment: int = 0) -> int:
+        """Writes the mesh of a garment where the cloth carries it, as OBJ with the
+        faces and the UVs that it had, and returns the number of files.
+
+        Args:
+            path: of the mesh at the end; or, with a place for a number, as
+                dress_%04d.obj, of a mesh for each frame that was written
+            garment: its number
+        """
+        file = Path(path)
+        frames: list[int | None] = [None]
+        if "%" in file.name:
+            numbered(file)
+            frames = list(self.run.frames())
+        for frame in frames:
+            x, mesh = self.vertices(frame, garment), self.meshes[garment]
+            assert mesh
+            name = file.name if frame is None else file.name % frame
+            mesh.save(file.with_name(name), x)
+        return len(frames)
 
     @property
     def pictures(self) -> dict[str, Path]:
@@ -168,7 +229,7 @@ def _seam(row: dict[str, Any]) -> Seam:
 
 
 def sew(
-    pattern: scenes.SceneLike,
+    pattern: scenes.SceneLike | UVMesh,
     body: Any = None,
     *,
     motion: str | os.PathLike[str] | bool | None = None,
@@ -187,8 +248,10 @@ def sew(
     A seam that cannot close is not an error: it is in `Sewn.open`.
 
     Args:
-        pattern: a file as GarmentCode writes it; or a scene, as `World` takes it, with
-            garments and obstacles, without `body`, `cell` and `material`
+        pattern: a file as GarmentCode writes it; a mesh whose UV charts are its panels,
+            a `UVMesh` or an OBJ file in metres, which starts where it is; or a scene,
+            as `World` takes it, with garments and obstacles, without `body`, `cell` and
+            `material`
         body: that wears it: an `Obstacle` or a list of these; or a mesh: a file, or
             what an obstacle takes as `mesh`
         motion: how the body, a mesh, moves once it wears the garment: a point cache
@@ -217,19 +280,33 @@ def sew(
     """
     given = {"body": body, "cell": cell, "material": material}
     given["motion"] = None if motion in (True, False, None) else (motion, rate)
-    text = with_keys(scenes.read(_wrapped(pattern, given)), keys)
-    if any(text.cloths):
-        raise SceneError(f"{text.file}: the tool that sews reads no arrays of cloths")
+    mesh = _mesh_of(pattern)
+    text = None if mesh else _read(_wrapped(pattern, given), keys)  # type: ignore[arg-type]
     words: list[object] = ["--every", every]
     words += [] if frames is None else ["--frames", frames]
     words += ["--no-motion"] if motion is False else []
     words += [] if pictures else ["--no-picture"]
     words += ["--force"] if force else []
+
+    def work(folder: Path) -> Sewn:
+        if text is not None:
+            return _sew(text, folder, force, words, log)
+        assert mesh
+        _claim(folder, force)
+        try:
+            garment = mesh.garment(folder, cell=cell or CELL, material=material)
+            scene = _worn(garment, mesh.file.stem, body, given["motion"])
+            return _sew(_read(scene, keys), folder, force, words, log)
+        finally:
+            if not (folder / "sew.json").exists():
+                for file in mesh.files(folder):
+                    file.unlink(missing_ok=True)
+
     if folder is not None:
-        return _sew(text, Path(folder), force, words, log)
+        return work(Path(folder))
     temporary = tempfile.TemporaryDirectory(prefix="drape-")
     try:
-        made = _sew(text, Path(temporary.name), force, words, log)
+        made = work(Path(temporary.name))
     except BaseException:
         temporary.cleanup()
         raise
@@ -296,12 +373,32 @@ def _wrapped(pattern: scenes.SceneLike, given: Mapping[str, Any]) -> scenes.Scen
     garment = scenes.Garment(
         pattern=file, cell=given["cell"], material=given["material"]
     )
+    return _worn(garment, file.stem, given["body"], given["motion"])
+
+
+def _worn(
+    garment: scenes.Garment, name: str, body: Any, motion: Any
+) -> scenes.Scene:
+    """Returns the scene of a garment on a body."""
     return scenes.Scene(
-        name=file.stem,
-        frames=600,
-        garments=[garment],
-        obstacles=_bodies(given["body"], given["motion"]),
+        name=name, frames=600, garments=[garment], obstacles=_bodies(body, motion)
     )
+
+
+def _read(scene: scenes.SceneLike, keys: Mapping[str, Any]) -> scenes.Text:
+    """Returns what the tool sews."""
+    text = with_keys(scenes.read(scene), keys)
+    if any(text.cloths):
+        raise SceneError(f"{text.file}: the tool that sews reads no arrays of cloths")
+    return text
+
+
+def _mesh_of(pattern: scenes.SceneLike | UVMesh) -> UVMesh | None:
+    """Returns the mesh whose charts are to be sewn; None: it is something else."""
+    if isinstance(pattern, UVMesh):
+        return pattern
+    path = isinstance(pattern, (str, os.PathLike)) and Path(pattern)
+    return UVMesh(path) if path and path.suffix.lower() == ".obj" else None
 
 
 def _is_pattern(pattern: scenes.SceneLike) -> bool:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -12,7 +11,7 @@ from drape._endings import FRAME
 from drape.errors import Error, SceneError, need
 from drape.export import arrays, film
 from drape.export.console import FAILED, OK, USAGE, Parser, complain, say, whole
-from drape.export.run import Run, RunError
+from drape.export.run import Run, RunError, numbered
 
 # By the file's ending: the module that writes it, and the package it needs.
 FORMATS = {
@@ -59,11 +58,7 @@ def export(run: Run | str | Path, to: str | Path, every: int = 1) -> int:
 
 def _frames(run: Run, path: Path, frames: list[int]) -> int:
     """Writes a file a frame."""
-    if not re.fullmatch(r"[^%]*%0?\d*d[^%]*", path.name):
-        raise RunError(
-            f"{path}: a file {path.suffix} holds one frame: expected a name with a "
-            f"place for its number, as frame_%04d{path.suffix}"
-        )
+    numbered(path)
     data = arrays.of_run(run)
     for frame in frames:
         one = path.with_name(path.name % frame)

@@ -61,6 +61,15 @@ class Body:
     """sRGB, 0 to 1; None where the scene gives none."""
 
 
+def numbered(path: Path) -> None:
+    """Refuses the name of a file a frame that has no place for the number."""
+    if not re.fullmatch(r"[^%]*%0?\d*d[^%]*", path.name):
+        raise RunError(
+            f"{path}: a file {path.suffix} holds one frame: expected a name with a "
+            f"place for its number, as frame_%04d{path.suffix}"
+        )
+
+
 def make_body(name: str, tri: NDArray[np.int32], moving: bool) -> Body:
     """An obstacle of these triangles, whose vertices are rows of a frame."""
     rows, flat = np.unique(tri, return_inverse=True)
@@ -228,6 +237,11 @@ class Run:
         if len(x) != self._vertices[kind]:
             raise RunError(f"{path}: a frame of another run than report.json's")
         return x
+
+    def particles(self, frame: int) -> Positions:
+        """All particles of all cloths in a frame, [particles, 3] m, those among them
+        that no cell has."""
+        return self._all("cloth", frame)
 
     def positions(self, body: Body, frame: int) -> Positions:
         """The vertices of a body in a frame, [vertices, 3] m, of `precision` bits."""
