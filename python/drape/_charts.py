@@ -17,9 +17,6 @@ Array = NDArray[Any]
 # rad: where an outline turns by more an edge of the pattern ends, so that cells have a
 # particle in the corner.
 TURN = np.radians(30)
-# The part of a chart's area that may be strained by more than the chart is said to be:
-# a sliver of a face says nothing of its pattern.
-BEYOND = 0.01
 
 
 class Turn(NamedTuple):
@@ -245,9 +242,12 @@ class Sheet:
         inside = (d[:, 0] * to[:, :, 1] - d[:, 1] * to[:, :, 0] > 0).all(1)
         return bool(inside.any())
 
-    def strain(self, k: int, scale: float | None) -> tuple[float, float, int]:
-        """Returns of chart k the metres of a unit of UV, the strain that all but a
-        hundredth of its area has at most, and the face that is strained most."""
+    def strain(
+        self, k: int, scale: float | None
+    ) -> tuple[float, float, tuple[int, float]]:
+        """Returns of chart k the metres of a unit of UV; its strain, the root mean
+        square over its area of the larger principal strain of each face; and the face
+        that is strained most, with its strain."""
         mine = self.chart[self.tri_face] == k
         tri = self.tri[mine]
         p, x = self.plane[tri], self.x[self.vertex[tri]]
@@ -262,11 +262,9 @@ class Sheet:
         if not scale > 0:
             raise self.refuse(f"chart {self.names[k]}", "it has no area in space")
         most = np.abs(f / scale - 1).max(1)
-        order = np.argsort(most)
-        part = np.cumsum(area[order]) / area.sum()
-        at = min(int(np.searchsorted(part, 1 - BEYOND)), len(part) - 1)
-        worst = int(self.tri_face[mine][order[-1]])
-        return scale, float(most[order[at]]), worst
+        worst = int(most.argmax())
+        face = int(self.tri_face[mine][worst]), float(most[worst])
+        return scale, float(np.sqrt((most**2 * area).sum() / area.sum())), face
 
     def _find_outlines(self) -> None:
         """The edges that are of one face alone, in the order of the outline: edge k

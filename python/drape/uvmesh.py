@@ -35,7 +35,7 @@ class Chart:
         name: of the file's group or object, with a number where several have it
         faces: numbers of its faces, from 0 in the file's order
         scale: m of cloth for a unit of UV
-        strain: what all but a hundredth of its area is strained by at most, 0.01: 1 %
+        strain: against its UVs, the root mean square over its area; 0.01: 1 %
         mirrored: whether its UVs show it from its wrong side
     """
 
@@ -82,7 +82,7 @@ class UVMesh:
             scale: m of cloth for a unit of UV, the same for all charts; default: each
                 chart is as large as it is in space
             strain: a chart that is strained by more against its UVs is refused, as
-                these are no pattern of it
+                these are no pattern of it; folds of few faces strain it, too
 
         Raises:
             SceneError: the file is no such mesh; the text names the line, the chart or
@@ -122,7 +122,7 @@ class UVMesh:
     def _chart(self, k: int, given: float | None, most: float) -> Chart:
         """Returns chart k, if its UVs are a pattern of it."""
         sheet = self._sheet
-        scale, strain, worst = sheet.strain(k, given)
+        scale, strain, face = sheet.strain(k, given)
         name, file = sheet.names[k], self._obj.file
         size = float(np.ptp(sheet.plane[sheet.corners(k)], axis=0).max()) * scale
         if not SIZES[0] <= size <= SIZES[1]:
@@ -133,8 +133,9 @@ class UVMesh:
         if not strain <= most:
             raise SceneError(
                 f"{file}: chart {name}: is strained by {100 * strain:.3g} % against "
-                f"its UVs, most of all at face {worst + 1}; expected at most "
-                f"{100 * most:.3g} %, as its UVs are to be its pattern"
+                f"its UVs, face {face[0] + 1} by {100 * face[1]:.3g} %; expected at "
+                f"most {100 * most:.3g} % (strain={most:g}), as its UVs are to be its "
+                "pattern"
             )
         return Chart(name, sheet.faces(k), scale, strain, bool(sheet.mirrored[k]))
 
