@@ -107,8 +107,8 @@ patterns_of() {
 
 # What a scene's reference depends on, and its digest if that is known.
 key() {
-    { echo "$tree" && cat "$work/$1.frames" "$work/$1.json" &&
-        patterns_of "$1"; } | sha256sum | cut -c1-16
+    { echo "$tree" && cat "$work/$1.frames" "$work/$1.json" && patterns_of "$1"
+        ! also "$1" sew || cat app/scene/sewing.c; } | sha256sum | cut -c1-16
 }
 known() { sed -n "s/^$1 $(key "$1") //p" $known 2>/dev/null; }
 digest() { sha256sum <"$1" | cut -c1-16; }

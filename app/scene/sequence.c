@@ -223,7 +223,7 @@ int sequence_load(struct json *json, struct sequence *s, const char *name,
         count_files(json, s);
     int status = s->files ? load_files(json, s, room ? name : NULL, &clip, mesh)
                           : load_cache(json, s, name, &clip, mesh);
-    if (status != APP_OK)
+    if (status != APP_OK || !clip.x)
         return status;
     if (s->times && s->n_times != clip.frames - room)
         return json_refuse(json, "frames.times: %d times of %d frames",

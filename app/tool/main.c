@@ -91,7 +91,8 @@ static const struct command {
     {"sew", command_sew, "sew a garment and drape it on a body",
      "drape sew PATTERN.json [--body MESH] [options] | SCENE.json [options]\n"
      "  --body MESH      that wears it, in metres, y up\n"
-     "  --motion SEQ     of the body, once it is worn: a point cache (.pc2), or\n"
+     "  --motion SEQ     of the body, once it is worn: a point cache (.pc2), "
+     "or\n"
      "                   numbered files, as walk_%04d.ply\n"
      "  --rate R         frames of SEQ a second (default: 60)\n"
      "  --cell H         m, side of a cell (default: 0.005)\n"
