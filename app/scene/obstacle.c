@@ -19,6 +19,8 @@ struct obstacle {
     struct placement placement;
     struct sequence sequence;
     struct limb limb;
+    double apart; /* m, the room between its parts; 0: as they are */
+    int parted;   /* rows of the scene's list, with those of obstacles before */
 };
 
 /* The name of an animation, or false for none. */
@@ -199,6 +201,40 @@ static void say_idle(struct json *json, json_t *node, const struct obstacle *o)
     json_leave(json, length);
 }
 
+/* Lets parts of the body give way to each other. */
+static int part(struct json *json, struct obstacle *o, const struct mesh *mesh)
+{
+    struct scene *scene = json->user;
+    struct parted_list *list = &scene->parted;
+    bool moving = o->out.frames > 0;
+    int pressed = 0, failed = 0, first = list->count, frame[2] = {-1, -1};
+    double deep = 0;
+    if (o->out.motion < 0 && apart_closed(mesh) == 0)
+        return json_refuse(json,
+                           "apart: expected a closed mesh, in which every edge "
+                           "has two triangles");
+    int frames = moving ? o->out.frames : 1;
+    int status =
+        apart(json->pool, mesh, moving ? (double(*)[3])o->out.frame : mesh->x,
+              frames, o->apart, list);
+    for (int k = first; k < list->count; k++) {
+        const struct parted *row = &list->row[k];
+        pressed += row->frame != frame[0];
+        failed += !row->parted && row->frame != frame[1];
+        frame[0] = row->frame;
+        frame[1] = row->parted ? frame[1] : row->frame;
+        deep = row->parted && row->depth > deep ? row->depth : deep;
+    }
+    o->parted = list->count;
+    if (pressed)
+        complain(APP_OK,
+                 "%s: %s: note: parts press on each other in %d of %d frames "
+                 "and give way by up to %.2g m; in %d frames some are too deep "
+                 "in each other and do not (parted.json)",
+                 json->file, json->where, pressed, frames, deep, failed);
+    return status;
+}
+
 /* Makes the obstacle's mesh; exactly one of mesh, shape and frames is given,
  * but for a point cache and a lead, which have a mesh beside them. */
 static int make(struct json *json, struct obstacle *o)
@@ -225,6 +261,11 @@ static int make(struct json *json, struct obstacle *o)
     if (status != APP_OK)
         return status;
     mesh_place(&mesh, &o->placement);
+    o->parted = ((struct scene *)json->user)->parted.count;
+    if (o->apart > 0)
+        status = part(json, o, &mesh);
+    if (status != APP_OK)
+        return status;
     if (!shape)
         compare(json, o, &mesh);
     ((struct scene *)json->user)->degenerate += mesh_degenerate(&mesh);
@@ -262,6 +303,7 @@ static int read_obstacle(struct json *json, json_t *node, void *out)
         NUMBER_KEY("angle", O(placement.angle), -36000, 36000),
         VECTOR_KEY("at", O(placement.at), -1e6, 1e6, 3),
         NUMBER_KEY("friction", O(out.friction), 0, 10),
+        NUMBER_KEY("apart", O(apart), 0, 1),
         NESTED_KEY("motion", O(out.motion), read_motion_name),
         NESTED_KEY("look", O(look), read_look),
         {0}};
@@ -296,6 +338,8 @@ int read_obstacles(struct json *json, json_t *node, void *out)
         return complain(APP_FAILED, "out of memory");
     for (size_t k = 0; k < count; k++) {
         to[k] = o[k].out;
+        for (int row = k ? o[k - 1].parted : 0; row < o[k].parted; row++)
+            scene->parted.row[row].body = (int)k;
         scene->obstacle_look[k] = o[k].look;
         scene->obstacle_name[k] =
             o[k].name ? o[k].name : pool_text(json->pool, "obstacle");

@@ -226,6 +226,7 @@ const char *scene_integrator(const struct scene *scene)
 void scene_free(struct scene *scene)
 {
     pool_free(&scene->pool);
+    free(scene->parted.row);
 }
 
 /* An allocator of the library that enforces the scene's limit. */

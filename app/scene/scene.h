@@ -3,6 +3,7 @@
 #ifndef APP_SCENE_SCENE_H
 #define APP_SCENE_SCENE_H
 
+#include "app/read/apart.h"
 #include "app/read/mesh.h"
 #include "app/scene/look.h"
 
@@ -43,9 +44,10 @@ struct scene {
     int garments, *garment_cloth; /* [garments + 1] where each one's cloths
                                      begin */
     bool unsewn; /* some seams are as far apart as their pattern places them */
-    double particles;   /* sum over all cloths */
-    int64_t degenerate; /* obstacle triangles without area */
-    struct pool pool;   /* owns all that def points to */
+    double particles;          /* sum over all cloths */
+    int64_t degenerate;        /* obstacle triangles without area */
+    struct parted_list parted; /* what of obstacles gives way */
+    struct pool pool;          /* owns all that def points to */
     struct budget {
         size_t held, most;
     } budget;   /* of def.allocator */

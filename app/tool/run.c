@@ -5,6 +5,7 @@
 #include "app/tool/progress.h"
 #include "app/write/checkpoint.h"
 #include "app/write/output.h"
+#include "app/write/parted.h"
 #include "app/write/trace.h"
 
 #include <stdlib.h>
@@ -55,8 +56,9 @@ static int open_output(struct run *run)
     run->output.contacts = run->report.impulses.on = run->contacts;
     run->report.impulses.first = run->report.count;
     int status = output_open(&run->output, scene, run->world, run->out, &claim);
-    if (status == APP_OK &&
-        !report_write(&run->report, scene, run->world, run->out, "unfinished"))
+    if (status == APP_OK && (!parted_write(scene, run->out) ||
+                             !report_write(&run->report, scene, run->world,
+                                           run->out, "unfinished")))
         status = APP_FAILED;
     return status == APP_OK ? open_trace(run) : status;
 }

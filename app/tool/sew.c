@@ -5,6 +5,7 @@
 #include "app/tool/options.h"
 #include "app/tool/progress.h"
 #include "app/write/output.h"
+#include "app/write/parted.h"
 #include "app/write/report.h"
 #include "app/write/sewn.h"
 #include "app/write/trace.h"
@@ -22,7 +23,7 @@ struct sew {
     struct report report;
     struct progress progress;
     json_t *root; /* of the scene, whose files are named from the root on */
-    const char *body, *motion, *rate, *fabric, *cell, *directory;
+    const char *body, *motion, *rate, *apart, *fabric, *cell, *directory;
     char out[FILE_PATH];
     struct file trace;
     int64_t worn; /* steps after which the bodies began to move; 0: they did not
@@ -83,9 +84,11 @@ static int read_number(const char *option, const char *text, double lo,
 }
 
 /* The obstacle of a body, which a second brings to where its motion begins. */
-static json_t *wrap_body(const struct sew *sew, double rate)
+static json_t *wrap_body(const struct sew *sew, double rate, double apart)
 {
     json_t *body = json_pack("{s:s, s:s}", "name", "body", "mesh", sew->body);
+    if (sew->apart)
+        json_object_set_new(body, "apart", json_real(apart));
     if (sew->motion)
         json_object_set_new(
             body, "frames",
@@ -98,17 +101,19 @@ static json_t *wrap_body(const struct sew *sew, double rate)
 /* The scene of a pattern and a body. NULL after one line. */
 static json_t *wrap(const struct sew *sew, const char *file)
 {
-    double cell = 0.005, rate = 60;
+    double cell = 0.005, rate = 60, apart = 0;
     const char *slash = strrchr(file, '/');
     if (read_number("--cell", sew->cell, 1e-4, 0.1, &cell) != APP_OK ||
-        read_number("--rate", sew->rate, 1e-3, 1e6, &rate) != APP_OK)
+        read_number("--rate", sew->rate, 1e-3, 1e6, &rate) != APP_OK ||
+        read_number("--apart", sew->apart, 0, 1, &apart) != APP_OK)
         return NULL;
     if (sew->rate && !sew->motion) {
         complain(APP_USAGE, "--rate: expected --motion beside it");
         return NULL;
     }
-    if (sew->motion && !sew->body) {
-        complain(APP_USAGE, "--motion: expected --body, which it moves");
+    if ((sew->motion || sew->apart) && !sew->body) {
+        complain(APP_USAGE, "--%s: expected --body beside it",
+                 sew->motion ? "motion" : "apart");
         return NULL;
     }
     json_t *garment = json_object(), *scene = json_object();
@@ -126,7 +131,7 @@ static json_t *wrap(const struct sew *sew, const char *file)
     json_object_set_new(scene, "garments", json_pack("[o]", garment));
     if (sew->body)
         json_object_set_new(scene, "obstacles",
-                            json_pack("[o]", wrap_body(sew, rate)));
+                            json_pack("[o]", wrap_body(sew, rate, apart)));
     /* names begin in the present folder, as on every command line */
     name_files(scene, ".");
     return scene;
@@ -144,10 +149,11 @@ static int load(struct sew *sew, const char *file)
         if (!sew->root)
             return APP_USAGE;
     } else {
-        if (sew->body || sew->cell || sew->fabric || sew->motion || sew->rate)
+        if (sew->body || sew->cell || sew->fabric || sew->motion || sew->rate ||
+            sew->apart)
             return complain(APP_USAGE,
                             "%s is no pattern: --body, --motion, --rate, "
-                            "--cell and --fabric are keys of a scene",
+                            "--apart, --cell and --fabric are keys of a scene",
                             file);
         name_files(sew->root, file);
     }
@@ -195,8 +201,9 @@ static int begin(struct sew *sew, const char *file)
     status =
         output_open(&sew->output, scene, sew->sewing.world, sew->out, &claim);
     if (status == APP_OK &&
-        !report_write(&sew->report, scene, sew->sewing.world, sew->out,
-                      "unfinished"))
+        (!parted_write(scene, sew->out) ||
+         !report_write(&sew->report, scene, sew->sewing.world, sew->out,
+                       "unfinished")))
         status = APP_FAILED;
     return status == APP_OK && sew->tracing
                ? trace_begin(&sew->trace, sew->out, 0)
@@ -425,6 +432,7 @@ int command_sew(int argc, char **argv)
         TEXT_OPTION("--body", &sew.body),
         TEXT_OPTION("--motion", &sew.motion),
         TEXT_OPTION("--rate", &sew.rate),
+        TEXT_OPTION("--apart", &sew.apart),
         TEXT_OPTION("--cell", &sew.cell),
         TEXT_OPTION("--fabric", &sew.fabric),
         INT_OPTION("--frames", &sew.frames, 0, 1000000),

@@ -80,9 +80,10 @@ static const struct kind {
     {"pictures", "film", "png", false},   {"pictures", "front", "png", true},
     {"pictures", "back", "png", true},    {".", "sewn", "ply", false}};
 static const char *const results[] = {
-    "report.json",      "obstacles.ply", "cloth.pc2", "trace.csv", "film.mp4",
-    "checkpoint.drape", "obstacles.obj", "sew.json",  "sewn.json"};
-enum { KINDS = 10, FILM_PICTURES = 6, RESULTS = 9, FILM = 4, CHECKPOINT = 5 };
+    "report.json", "obstacles.ply",    "cloth.pc2",     "trace.csv",
+    "film.mp4",    "checkpoint.drape", "obstacles.obj", "sew.json",
+    "sewn.json",   "parted.json"};
+enum { KINDS = 10, FILM_PICTURES = 6, RESULTS = 10, FILM = 4, CHECKPOINT = 5 };
 
 static int remove_file(const char *directory, const char *name)
 {

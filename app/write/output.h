@@ -7,7 +7,7 @@
  *                                asked for
  *   .obj                         with each of these, where asked for
  *   cloth.pc2                    all frames, for Blender's Mesh Cache
- *   report.json checkpoint.drape trace.csv */
+ *   report.json checkpoint.drape trace.csv parted.json */
 #ifndef APP_WRITE_OUTPUT_H
 #define APP_WRITE_OUTPUT_H
 

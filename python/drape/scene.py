@@ -435,6 +435,7 @@ class Obstacle(Keys):
             dimension, m, or scale: a factor; stand: whether it is set on y = 0
         axis, angle: [3] and degrees, by which it is then turned; at: [3] m
         friction: Coulomb coefficient
+        apart: m of room that its parts make where they press on each other
         motion: name of the motion that it follows
         vertices: [n, 3] m, where they are in the scene, with triangles: [k, 3]
             their numbers, instead of `mesh` and its placement
@@ -466,6 +467,7 @@ class Obstacle(Keys):
     angle: float | None = None
     at: Vector | None = None
     friction: float | None = None
+    apart: float | None = None
     motion: str | None = None
     look: Look | None = None
     animation: str | bool | None = None

@@ -98,6 +98,75 @@ rises 'at times of their own' "$late, \"times\": [0.5, 0.75], \"lead\": 0.5}" \
 rises 'the same of OBJ files' '"mesh": "tetra_0.obj", "frames": {"files": "tetra_%d.obj",
     "first": 1, "dt": 0.5, "lead": 1}' '[1, 1.5, 2, 3, 3]'
 rises 'a mesh that is there' "$mesh, \"dt\": 0.5, \"lead\": 1}" '[1, 2, 3, 3, 3]'
+# Two balls, 0.1 in radius, as one mesh, which come 1 cm into each other, or 14 cm.
+python3 - <<'EOT'
+import math
+import struct
+around, rings, r = 24, 15, 0.1
+def ball(y):
+    x = []
+    for i in range(1, rings):
+        a = math.pi * i / rings
+        x += [(r * math.sin(a) * math.cos(2 * math.pi * (k + i / 2) / around),
+               y + r * math.cos(a),
+               r * math.sin(a) * math.sin(2 * math.pi * (k + i / 2) / around))
+              for k in range(around)]
+    return x + [(0, y + r, 0), (0, y - r, 0)]
+tri, n = [], around * (rings - 1)
+for k in range(around):
+    for i in range(rings - 2):
+        a, b = i * around + k, i * around + (k + 1) % around
+        tri += [(a, b, a + around), (b, b + around, a + around)]
+    tri.append((n, (k + 1) % around, k))
+    tri.append((n + 1, n - around + k, n - around + (k + 1) % around))
+tri += [tuple(n + 2 + v for v in t) for t in tri]
+def write(name, height, tri=tri):
+    x = ball(height) + ball(-height)
+    head = "ply\nformat binary_little_endian 1.0\nelement vertex %d\n" % len(x)
+    head += "".join("property double %s\n" % c for c in "xyz")
+    head += "element face %d\nproperty list uchar int vertex_indices\nend_header\n"
+    with open(name, "wb") as file:
+        file.write((head % len(tri)).encode())
+        file.write(b"".join(struct.pack("<3d", *p) for p in x))
+        file.write(b"".join(struct.pack("<B3i", 3, *t) for t in tri))
+for k in range(13):
+    write("press_%02d.ply" % k, max(0.095, 0.12 - 0.0025 * k))
+write("deep.ply", 0.03)
+write("open.ply", 0.2, tri[1:])
+EOT
+cat >press.json <<'EOT'
+{"frames": 16, "cloths": [{"particles": [11, 11], "size": [0.3, 0.3]}],
+ "obstacles": [{"name": "balls", "frames": {"files": "press_%02d.ply"}, "apart": 0.008}]}
+EOT
+sed 's/, "apart": 0.008//' press.json >trap.json
+exits 'a sheet between parts that press on each other is trapped' 1 run trap.json --out trap
+is 'in all their steps' grep -q '9 of them intersect at their end' out
+exits 'and is not where they make room' 0 run press.json --out press
+is 'and what gave way is told' grep -q 'press on each other in 6 of 13 frames' err
+exits 'they do not meet' 0 audit press/frames/obstacles_0016.ply
+exits 'as they would' 1 audit press_12.ply
+is 'they part in the middle and are named' python3 -c '
+import json
+from geometry import load
+rows = json.load(open("press/parted.json"))
+assert {row["frame"] for row in rows} == set(range(7, 13)), rows
+assert all(row["parted"] and row["body"] == "balls" for row in rows), rows
+deep = max(row["depth_m"] for row in rows)
+assert 0.008 < deep < 0.0091, deep
+x, was = load("press/frames/obstacles_0016.ply")[0], load("press_12.ply", "d")[0]
+half = len(x) // 2
+gap = min(p[1] for p in x[:half]) - max(p[1] for p in x[half:])
+assert 0.0075 < gap < 0.0085, gap  # ways are along normals
+moved = sum(max(abs(a - b) for a, b in zip(p, q)) > 1e-6 for p, q in zip(x, was))
+assert 0 < moved < half, moved'
+tells press.json '"mesh": "deep.ply", "apart": 0.008'
+exits 'parts too deep in each other' 0 run press.json --out press --force
+is 'stay as they are, and are named' python3 -c '
+import json
+from geometry import load
+rows = json.load(open("press/parted.json"))
+assert rows and not any(row["parted"] for row in rows), rows
+assert load("press/obstacles.ply", "d")[0] == load("deep.ply", "d")[0]'
 # wrong NAME KEYS TEXT
 wrong() {
     tells wrong.json "$2"
@@ -132,6 +201,8 @@ wrong 'a lead from no mesh' '"frames": {"files": "tetra_%d.obj", "lead": 1}' \
     'frames.lead: expected the mesh beside it that goes to the first frame'
 wrong 'a lead to another mesh' '"mesh": "tetra.ply", "frames": {"file": "count.pc2", "lead": 1}' \
     'count.pc2: has 5 vertices, its mesh 4'
+wrong 'parts of an open mesh' '"mesh": "open.ply", "apart": 0.008' \
+    'apart: expected a closed mesh'
 wrong 'no times' "$mesh, \"times\": []}" 'frames.times: expected a time a frame'
 wrong 'another way between' "$mesh, \"between\": \"spline\"}" '"spline"'
 limb='"shape": "limb", "radius": 0.1, "length": 0.4, "detail": 16'
