@@ -209,7 +209,10 @@ static int part(struct json *json, struct obstacle *o, const struct mesh *mesh)
     bool moving = o->out.frames > 0;
     int pressed = 0, failed = 0, first = list->count, frame[2] = {-1, -1};
     double deep = 0;
-    if (o->out.motion < 0 && apart_closed(mesh) == 0)
+    int closed = apart_closed(mesh);
+    if (closed < 0)
+        return no_memory();
+    if (!closed)
         return json_refuse(json,
                            "apart: expected a closed mesh, in which every edge "
                            "has two triangles");
