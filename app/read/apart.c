@@ -309,8 +309,7 @@ static int name_regions(struct tree *t, const double (*from)[3], int frame,
         }
         for (int i = 0; i < 3; i++)
             row->at[i] /= (double)row->vertices;
-        row->parted = row->depth < deepest &&
-                      row->left <= most_left * (double)row->vertices;
+        row->parted = (double)row->left <= most_left * (double)row->vertices;
         for (int64_t k = root; k < nv && !row->parted; k++)
             if (is_pressed(t, k) && root_of(group, k) == root)
                 memcpy(t->x[k], from[k], sizeof *t->x);

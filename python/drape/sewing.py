@@ -376,9 +376,7 @@ def _wrapped(pattern: scenes.SceneLike, given: Mapping[str, Any]) -> scenes.Scen
     return _worn(garment, file.stem, given["body"], given["motion"])
 
 
-def _worn(
-    garment: scenes.Garment, name: str, body: Any, motion: Any
-) -> scenes.Scene:
+def _worn(garment: scenes.Garment, name: str, body: Any, motion: Any) -> scenes.Scene:
     """Returns the scene of a garment on a body."""
     return scenes.Scene(
         name=name, frames=600, garments=[garment], obstacles=_bodies(body, motion)
