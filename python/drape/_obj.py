@@ -6,6 +6,7 @@ what says where a garment's seams are. So the text itself is read here."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -105,7 +106,7 @@ class _Reader:
             found = tuple(float(word) for word in words[:count])
         except ValueError:
             found = ()
-        if len(found) < count or not np.isfinite(found).all():
+        if len(found) < count or not all(map(math.isfinite, found)):
             raise self.refuse(k, f"expected {key} and {count} finite numbers")
         if key == "v":
             self.at.append(k)
