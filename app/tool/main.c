@@ -90,6 +90,7 @@ static const struct command {
      "lengths of seams. DIR gets tables, a picture, and the panels as PLY.\n"},
     {"sew", command_sew, "sew a garment and drape it on a body",
      "drape sew PATTERN.json [--body MESH] [options] | SCENE.json [options]\n"
+     "          | MESH.obj [--unit M] [--body MESH] [options]\n"
      "  --body MESH      that wears it, in metres, y up\n"
      "  --motion SEQ     of the body, once it is worn: a point cache (.pc2), "
      "or\n"
@@ -110,6 +111,9 @@ static const struct command {
      "  --obj            frames as OBJ too, with names and UVs\n"
      "  --no-motion      bodies stay where they are at time 0\n"
      "  --no-picture     no pictures of the end, front and back\n"
+     "  --unit M         m, of MESH.obj's vertices: 0.001 for mm (default: 1)\n"
+     "MESH.obj has UVs: its charts are panels, and DIR/mesh gets it anew a "
+     "frame.\n"
      "A scene has its `garments`. Writes what `run` writes; sew.json, how its "
      "seams\nclosed; and sewn.json, a scene for `run` that begins as sewing "
      "ended.\n"

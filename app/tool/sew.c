@@ -12,6 +12,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <unistd.h>
 
 struct sew {
@@ -424,8 +425,16 @@ static int simulate(struct sew *sew)
     return code == APP_FAILED ? code : finish(sew, code);
 }
 
+/* Whether a file is a mesh, whose UV charts are panels: Python sews it. */
+static bool is_mesh(const char *path)
+{
+    size_t length = strlen(path);
+    return length > 4 && strcasecmp(path + length - 4, ".obj") == 0;
+}
+
 int command_sew(int argc, char **argv)
 {
+    const char *unit = NULL;
     struct sew sew = {.frames = -1, .overrides = {NULL, -1, -1, -1, 0}};
     sew.output.every = 1;
     const struct option_row options[] = {
@@ -447,14 +456,24 @@ int command_sew(int argc, char **argv)
         FLAG_OPTION("--obj", &sew.obj),
         FLAG_OPTION("--no-motion", &sew.no_motion),
         FLAG_OPTION("--no-picture", &sew.no_picture),
+        TEXT_OPTION("--unit", &unit),
         {0}};
     int positional;
+    char **given = calloc((size_t)argc + 1, sizeof *given);
+    if (!given)
+        return no_memory();
+    memcpy(given, argv, (size_t)argc * sizeof *given);
     int status = options_read(options, argc, argv, &positional);
+    if (status == APP_OK && positional != 1)
+        status = complain(APP_USAGE, "sew: expected one PATTERN.json, "
+                                     "SCENE.json or MESH.obj");
+    else if (status == APP_OK && is_mesh(argv[0]))
+        status = become_python("sew-mesh", argc, given);
+    else if (status == APP_OK && unit)
+        status = complain(APP_USAGE, "sew: --unit is for a MESH.obj");
+    free(given);
     if (status != APP_OK)
         return status;
-    if (positional != 1)
-        return complain(APP_USAGE, "sew: expected one PATTERN.json or "
-                                   "SCENE.json");
     status = begin(&sew, argv[0]);
     if (status == APP_OK)
         status = simulate(&sew);

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """``python -m drape COMMAND …``: the tool, and the commands that are Python.
 
-The commands of the table below, of which `audit-frames` is a form of `audit`, are
-Python modules that expose
+The commands of the table below, of which `audit-frames` is a form of `audit` and
+`sew-mesh` one of `sew`, are Python modules that expose
 ``main(argv: list[str]) -> int``, where argv is what follows the command. They
 are imported when they are called, so that the tool needs none of their
 libraries. All other commands are those of the tool (``man drape``).
@@ -21,6 +21,7 @@ COMMANDS = {
     "audit-frames": "drape.referee",
     "examples": "drape.examples",
     "export": "drape.export.cli",
+    "sew-mesh": "drape.sewing_cli",
     "sweep": "drape.sweeps.cli",
     "view": "drape.viewer.cli",
 }

@@ -5,6 +5,7 @@ comes back."""
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ import numpy as np
 import pytest
 
 import drape
+from drape.sewing_cli import main
 
 CELL = 0.02  # m
 
@@ -322,3 +324,24 @@ def test_what_is_refused(tmp_path: Path) -> None:
         mesh.carried(np.zeros((7, 3)), CELL)
     with pytest.raises(drape.SceneError, match=r"unit: 0: expected metres above 0"):
         drape.UVMesh(tmp_path / "ok.obj", unit=0)
+
+
+def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """`drape sew MESH.obj` is this, by the tool too."""
+    file = charted.tube(n=6, rows=4).write(tmp_path / "skirt.obj", unit=0.001)
+    words = ["--unit", "0.001", "--cell", "0.04", "--frames", "2", "--no-picture"]
+    out = tmp_path / "out"
+    programs = str(Path(sys.executable).parent)
+    said = drape.tool.call("sew", file, *words, "--out", out, programs=programs)
+    assert said.endswith(f"2 of 2 seams closed; 3 meshes in {out / 'mesh'}\n")
+    x, faces, others = parts(out / "mesh/skirt_0002.obj")
+    was = parts(file)
+    assert faces == was[1] and others == was[2]
+    assert np.abs(x - was[0]).max() < 20 and np.ptp(x[:, 1]) > 300  # mm
+    assert main([str(file), *words, "--out", str(out)]) == 2
+    assert "sew.json; give another --out, or --force" in capsys.readouterr().err
+    assert main([str(file), *words, "--out", str(out), "--force", "--every", "2"]) == 0
+    names = sorted(each.name for each in (out / "mesh").iterdir())
+    assert names == ["skirt_0000.obj", "skirt_0002.obj"]
+    assert main([str(file), "--out", str(out)]) == 2
+    assert "chart left: is 497 m large" in capsys.readouterr().err

@@ -73,6 +73,7 @@ exits 'panels where a mesh has them' 0 run again.json --out worn
 is 'have the names of their garment' grep -q '"name": "vest.left"' worn/report.json
 sed 's/"halves.json"/"none.json"/' garment.json >again.json
 refused 'a garment of no pattern' 'pattern none.json: no such file' run again.json
+refused 'a unit of what is no mesh' '--unit is for a MESH.obj' sew again.json --unit 1
 
 # closed PYTHON: the condition holds of sew, the report of a garment that was sewn.
 closed() {
