@@ -251,10 +251,14 @@ class Sheet:
         mine = self.chart[self.tri_face] == k
         tri = self.tri[mine]
         p, x = self.plane[tri], self.x[self.vertex[tri]]
-        d = np.stack([p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]], 2)
-        e = np.stack([x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]], 2)
-        area = np.linalg.det(d) / 2
-        f = np.linalg.svd(e @ np.linalg.inv(d), compute_uv=False)
+        with np.errstate(all="ignore"):  # what is no number is refused
+            area, f = _stretches(p, x)
+            return self._strain(k, scale, area, f, self.tri_face[mine])
+
+    def _strain(
+        self, k: int, scale: float | None, area: Array, f: Array, face: Array
+    ) -> tuple[float, float, tuple[int, float]]:
+        """The same of triangles by their areas in UV and their principal stretches."""
         if scale is None:
             space = float((f[:, 0] * f[:, 1] * area).sum())
             # digits beyond those of most files would put cells beside their grid
@@ -263,8 +267,8 @@ class Sheet:
             raise self.refuse(f"chart {self.names[k]}", "it has no area in space")
         most = np.abs(f / scale - 1).max(1)
         worst = int(most.argmax())
-        face = int(self.tri_face[mine][worst]), float(most[worst])
-        return scale, float(np.sqrt((most**2 * area).sum() / area.sum())), face
+        mean = float(np.sqrt((most**2 * area).sum() / area.sum()))
+        return scale, mean, (int(face[worst]), float(most[worst]))
 
     def _find_outlines(self) -> None:
         """The edges that are of one face alone, in the order of the outline: edge k
@@ -399,6 +403,12 @@ class Sheet:
         p, q = self.plane[self.edge_a], self.plane[self.edge_b]
         way = (q - p) * scale[self.edge_chart][:, None]
         length = np.hypot(way[:, 0], way[:, 1])
+        short = np.flatnonzero(length < 1e-8)
+        if len(short):
+            raise self.refuse(
+                f"chart {self.names[self.edge_chart[short[0]]]}",
+                f"an edge of face {self.edge_face[short[0]] + 1} has no length in UV",
+            )
         cuts = self._cuts(way)
         self._cut_long(cuts, length, cell)
         self._cut_round(cuts, length)
@@ -523,6 +533,20 @@ class Sheet:
                 edge["curvature"] = {"type": "polyline", "params": params}
             edges.append(edge)
         return {"vertices": [each.tolist() for each in corners], "edges": edges}
+
+
+def _stretches(p: Array, x: Array) -> tuple[Array, Array]:
+    """The areas of triangles p, [n, 3, 2], and by which lengths in them are multiplied
+    in x, [n, 3, 3]: the most and the least, [n, 2]."""
+    d, g = p[:, 2] - p[:, 0], p[:, 1] - p[:, 0]
+    e, h = x[:, 2] - x[:, 0], x[:, 1] - x[:, 0]
+    area = g[:, 0] * d[:, 1] - g[:, 1] * d[:, 0]
+    u = (h * d[:, 1:] - e * g[:, 1:]) / area[:, None]  # by u, and by v
+    v = (e * g[:, :1] - h * d[:, :1]) / area[:, None]
+    a, b, c = (u * u).sum(1), (u * v).sum(1), (v * v).sum(1)
+    middle, far = (a + c) / 2, np.hypot((a - c) / 2, b)
+    squares = np.stack([middle + far, np.maximum(middle - far, 0)], 1)
+    return area / 2, np.sqrt(squares)
 
 
 def _is_straight(a: Array, b: Array, points: Array) -> bool:

@@ -6,7 +6,6 @@ what says where a garment's seams are. So the text itself is read here."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,6 +18,10 @@ from .errors import SceneError
 
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
+
+MOST = 1 << 31  # of what a file has of a kind
+
+FAR = 1e9  # a number of a file, whose squares and products are finite
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,8 +109,8 @@ class _Reader:
             found = tuple(float(word) for word in words[:count])
         except ValueError:
             found = ()
-        if len(found) < count or not all(map(math.isfinite, found)):
-            raise self.refuse(k, f"expected {key} and {count} finite numbers")
+        if len(found) < count or not all(abs(each) <= FAR for each in found):
+            raise self.refuse(k, f"expected {key} and {count} numbers within ±{FAR:g}")
         if key == "v":
             self.at.append(k)
         self.points[key].append(found)
@@ -131,7 +134,8 @@ class _Reader:
                 # below 0 it counts from the last one so far; above, a file may
                 # have it later
                 corner.append(have + index if index < 0 else index - 1)
-                if (part and index == 0) or (index < 0 and corner[-1] < 0):
+                no = index == 0 if part else False
+                if no or index > MOST or (index < 0 and corner[-1] < 0):
                     raise self.refuse(
                         k, f"face {number}: {word}: there is no {key} {index}"
                     )
