@@ -94,11 +94,13 @@ def filled(ring: Array, h: float) -> tuple[Array, Array]:
     count = np.floor((hi - lo) / h).astype(int) + 1
     i, j = (each.ravel() for each in np.meshgrid(*map(np.arange, count)))
     grid = lo + h * np.stack([i + j % 2 / 2, j], 1)
-    grid += 1e-3 * h * np.random.default_rng(0).random(grid.shape)  # no ties
     far = np.linalg.norm(grid[:, None] - ring, axis=2).min(1) > 0.6 * h
     x = np.concatenate([ring, grid[inside(grid, ring) & far]])
-    tri = delaunay(x)
-    return x, tri[inside(x[tri].mean(1), ring)]
+    # no four on a circle, nor three on a line: those make slivers along the rim
+    tri = delaunay(x + 1e-4 * h * np.random.default_rng(0).random(x.shape))
+    a, b = (x[tri[:, k]] - x[tri[:, 0]] for k in (1, 2))
+    wide = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0] > 1e-2 * h**2
+    return x, tri[wide & inside(x[tri].mean(1), ring)]
 
 
 def body(thinner: float = 0) -> list[drape.Obstacle]:
