@@ -126,8 +126,9 @@ static int make_seams(struct json *json, const struct garment *garment,
                  a->edge, key->cloth[b->panel].name, b->edge);
         if (status == APP_OK && seam.n) {
             about->name = pool_text(json->pool, text);
-            about->dart = garment_is_dart(pattern, stitch);
-            about->across = across[k];
+            /* what is sewn from the start has no order */
+            about->dart = !key->sewn && garment_is_dart(pattern, stitch);
+            about->across = !key->sewn && across[k];
             about->cell = garment->h;
             int longer = stitch->side[seam.longer].panel;
             status = panel_ease(json->pool, &garment->panel[longer].cut, &seam,

@@ -162,7 +162,8 @@ class Sewn:
         """Returns where the cloth carries the vertices of a garment's mesh, [n, 3] m.
 
         Args:
-            frame: of those that were written; default: the end
+            frame: of those that were written; default: as `positions` has it, sewn,
+                before bodies move
             garment: its number
         """
         meshes = self.meshes
@@ -183,8 +184,8 @@ class Sewn:
         faces and the UVs that it had, and returns the number of files.
 
         Args:
-            path: of the mesh at the end; or, with a place for a number, as
-                dress_%04d.obj, of a mesh for each frame that was written
+            path: of the mesh as it is sewn, before bodies move; or, with a place for a
+                number, as dress_%04d.obj, of a mesh for each frame that was written
             garment: its number
         """
         file = Path(path)

@@ -118,7 +118,7 @@ def body(thinner: float = 0) -> list[drape.Obstacle]:
 def tee(folder: Path, cell: float = 0.04, h: float = 0.03) -> Charted:
     """Returns the T-shirt when its seams have been closed on `body`, by triangles about
     h wide; what is sewn together shares its vertices."""
-    sewn = drape.sew(PATTERN, body(), cell=cell, frames=50, pictures=False)
+    sewn = drape.sew(PATTERN, body(), cell=cell, frames=56, pictures=False)
     drape.tool.call("pattern", PATTERN, "--cell", cell, "--out", folder)
     flat = [read_ply(file) for file in sorted(folder.glob("0*.ply"))]
     pattern = json.loads(PATTERN.read_text())["pattern"]
@@ -141,7 +141,7 @@ def tee(folder: Path, cell: float = 0.04, h: float = 0.03) -> Charted:
         area = (ring * np.roll(ring, -1, axis=0)[:, ::-1] * [1, -1]).sum()
         x, tri = filled(ring, h)
         # a panel that is drawn clockwise shows its wrong side
-        where = sewn.run.positions(sewn.run.bodies[k], sewn.stages["worn"])
+        where = sewn.run.positions(sewn.run.bodies[k], sewn.steps)
         parts.append(
             (name, x, tri, place(x, flat[k][0][:, :2], flat[k][1], where), area < 0)
         )

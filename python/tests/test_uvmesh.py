@@ -182,7 +182,7 @@ def test_a_dart(tmp_path: Path) -> None:
     ball = drape.Obstacle(shape="sphere", radius=0.1, at=[0, 0.4, 0], friction=1)
     sewn = drape.sew(mesh, ball, cell=CELL, frames=12, pictures=False)
     (seam,) = sewn.seams
-    assert seam.stage == "darts" and seam.closed and sewn.clean
+    assert seam.stage == "seams" and seam.closed and sewn.clean
     # a vertex on a curved rim may lie a little beyond the cells
     assert distance(sewn.vertices(), *surface(sewn, 12)) < 0.1 * CELL
 
