@@ -69,6 +69,18 @@ static bool move(struct cut *cut, const struct border *border, int32_t p, int k)
     return false;
 }
 
+/* Whether a place is less than a cell from where the grid has a particle, as
+ * drape_panel asks for. */
+static bool may_be(const struct cut *cut, int32_t p, const double x[2])
+{
+    const int32_t at[2] = {p % cut->m, p / cut->m};
+    const double less = 1 - 1e-6;
+    bool near = true;
+    for (int i = 0; i < 2; i++)
+        near &= fabs(x[i] - cut->at[i] - at[i] * cut->h) < less * cut->h;
+    return near;
+}
+
 /* Tries the particles near the corner, the nearest first, that lie on the two
  * edges which meet there: along them the border stays where it was. */
 static void find(struct cut *cut, const struct border *border, int k)
@@ -89,7 +101,7 @@ static void find(struct cut *cut, const struct border *border, int k)
             if (tried[q] || i < 0 || j < 0 || i >= cut->m || j >= cut->n)
                 continue;
             int32_t p = i + cut->m * j;
-            if (cut->kind[p] != CUT_BORDER)
+            if (cut->kind[p] != CUT_BORDER || !may_be(cut, p, corner))
                 continue;
             int edge = outline->of[cut->chord[p]];
             double d = plane_length(cut->x[p][0] - corner[0],

@@ -241,3 +241,16 @@ is 'is told of, and its seam' grep -q "panel front: edge 8, 1 mm long, is too sh
     )for cells, and with it goes stitch 10" err
 exits 'but notes can be left out' 0 pattern short.json --quiet
 is 'none is there' test ! -s err
+# The tip of a lapel, exactly a cell from a particle of the grid, which stays away.
+python3 - >lapel.json <<'EOT'
+import json
+import sys
+curve = {"type": "quadratic", "params": [[0.3, -0.2]]}
+panel = {"vertices": [[0, 0], [7, -20.3], [7, 0]], "edges": [
+    {"endpoints": [0, 1], "curvature": curve}, {"endpoints": [1, 2]}, {"endpoints": [2, 0]}]}
+json.dump({"pattern": {"panels": {"lapel": panel}},
+           "properties": {"units_in_meter": 100, "curvature_coords": "relative"}},
+          sys.stdout)
+EOT
+echo '{"frames": 0, "cloths": [{"panel": {"pattern": "lapel.json", "cell": 0.01}}]}' >one.json
+exits 'a tip a whole cell from its particle' 0 run one.json --out lapel
