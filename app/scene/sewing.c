@@ -25,9 +25,9 @@ static const double closed = 0.01, near = 0.5;
  * Cloth that is caught in an armpit is pressed by many times its weight, and
  * gaps beside it are to be below `closed`. */
 static const double rough = 10, fine = 0.1;
-/* At rest: but for this part of them, whose loose corners may sway on, no
- * particle goes further, m, in this time, s. */
-static const double rest_but = 0.01, rest_way = 1e-3, rest_time = 1;
+/* At rest: the root mean square of the ways that particles go in this time, s,
+ * is below this, m. */
+static const double rest_way = 1e-3, rest_time = 1;
 /* A stage ends, too, if what is open becomes less by no more than this part in
  * this time, s. */
 static const double progress = 0.05, patience = 0.5;
@@ -69,6 +69,23 @@ static int make_seams(struct sewing *s)
     return APP_OK;
 }
 
+/* Tells triangles of cloth from those of bodies, and counts the particles that
+ * have one. */
+static int mark_cloth(struct sewing *s)
+{
+    bool *there = pool_take(&s->pool, (size_t)s->nv + 1, sizeof *there);
+    if (!there)
+        return no_memory();
+    for (int64_t k = 0; k < s->nt; k++) {
+        s->group[k] = s->tri[k][0] < s->nc;
+        for (int i = 0; i < 3; i++)
+            there[s->tri[k][i]] = s->group[k];
+    }
+    for (int64_t k = 0; k < s->nc; k++)
+        s->particles += there[k];
+    return APP_OK;
+}
+
 /* Makes the scene as it is once, to check it and to see where its bodies are at
  * time 0, and takes memory for what stages change. */
 static int inspect_scene(struct sewing *s)
@@ -96,9 +113,7 @@ static int inspect_scene(struct sewing *s)
         !s->obstacle || !s->turn)
         return no_memory();
     int known = drape_read_triangles(s->world, s->tri);
-    for (int64_t k = 0; k < s->nt; k++)
-        s->group[k] = s->tri[k][0] < s->nc;
-    return known == DRAPE_OK ? APP_OK : failed("the triangles", known);
+    return known == DRAPE_OK ? mark_cloth(s) : failed("the triangles", known);
 }
 
 /* Counts the steps of a trace since sewing began. */
@@ -334,7 +349,7 @@ static bool is_done(struct sewing *s)
  * which is set anew where particles go too far from it. */
 static int find_rest(struct sewing *s)
 {
-    int64_t moving = 0;
+    double sum = 0;
     double ramp = (double)RAMP * s->scene->steps_per_frame;
     if ((double)(s->steps - s->begun[SEWING_WORN]) < ramp)
         return APP_OK;
@@ -342,12 +357,13 @@ static int find_rest(struct sewing *s)
     if (status != DRAPE_OK)
         return failed("the state", status);
     for (int64_t k = 0; k < s->nc; k++) {
-        double way[3];
-        for (int i = 0; i < 3; i++)
-            way[i] = s->x[k][i] - s->anchor[k][i];
-        moving += length_of(way) > rest_way;
+        for (int i = 0; i < 3; i++) {
+            double way = s->x[k][i] - s->anchor[k][i];
+            sum += way * way;
+        }
     }
-    if (s->anchored < 0 || (double)moving > rest_but * (double)s->nc) {
+    double mean = sqrt(sum / (double)s->particles);
+    if (s->anchored < 0 || mean > rest_way) {
         memcpy(s->anchor, s->x, (size_t)s->nc * sizeof *s->x);
         s->anchored = s->steps;
     }

@@ -59,6 +59,7 @@ struct sewing {
     int64_t steps, still;         /* made; without progress */
     double left;                  /* least of what was to close */
     int64_t nv, nc, nt;           /* vertices, of cloth, triangles */
+    int64_t particles;            /* of cloth that have a cell */
     double (*x)[3], (*v)[3];      /* [nv] */
     double (*anchor)[3];          /* [nv] m, where cloths were at ... */
     int64_t anchored;             /* ... this step; -1: none */
