@@ -78,7 +78,8 @@ static bool look_in(const struct json *json, struct places *in,
     const char *own = getenv("DRAPE_MODELS"), *data = getenv("DRAPE_DATA");
     if (!file_join(in->models, data && *data ? data : "build/data", "models"))
         return false;
-    strcpy(folder, *folder ? folder : "/");
+    if (!*folder)
+        strcpy(folder, "/");
     const char *folders[] = {folder, in->models, "build/models"};
     for (int k = 0; k < 3; k++) {
         if (k == 1 && find_in_list(own ? own : "", name, path))
