@@ -128,6 +128,19 @@ static int64_t find_cell(const struct cut *cut, const int32_t end[2])
     return -1;
 }
 
+/* Whether a cell has no corner that points inwards, as its edges must not cross
+ * when they are shortened. */
+static bool is_convex(const struct cut *cut, int64_t cell)
+{
+    int32_t at[4];
+    int corners = cut_corners(cut, cell, at);
+    bool convex = true;
+    for (int k = 0; k < corners; k++)
+        convex &= cut_part(cut, (const int32_t[]){at[k], at[(k + 1) % corners],
+                                                  at[(k + 2) % corners]}) > 0;
+    return convex;
+}
+
 int panel_ease(struct pool *pool, const struct cut *cut,
                const struct cut_seam *seam, struct cloth_panel *panel)
 {
@@ -140,8 +153,8 @@ int panel_ease(struct pool *pool, const struct cut *cut,
     for (int k = 0; k < seam->eases; k++) {
         const struct cut_ease *e = &seam->ease[k];
         int64_t cell = find_cell(cut, e->end);
-        if (cell < 0)
-            continue; /* the border of cells goes round another way here */
+        if (cell < 0 || !is_convex(cut, cell))
+            continue; /* without a cell the border goes round another way */
         if (cut->cell[cell] == CUT_REGULAR)
             panel->cell[cell] = CUT_RISING;
         to[n++] = (drape_ease){{e->end[0], e->end[1]}, e->ratio};
