@@ -118,7 +118,7 @@ static bool make(struct cut_seam *seam, const struct line line[2], bool same)
 /* What both sides differ by is eased where that is a strain of more than this:
  * less is what a seam of light cotton bears with 1 N/m. */
 static const double slight = 1e-3;
-/* The greatest ease, beyond which the seam pulls the rest together. */
+/* The greatest ease that drape_ease takes. The seam pulls the rest together. */
 static const double most = 0.5;
 
 /* Eases the edges of the longer side. */

@@ -21,7 +21,8 @@ enum {
     ROUNDS = 6,  /* as a normal is not that of what it meets */
     SPREADS = 2, /* to neighbours, so that no corner stays behind */
     LEAF = 4,    /* triangles of a leaf */
-    DEEP = 64    /* levels of a tree of 2^32 triangles are fewer */
+    DEEP = 96    /* levels of a tree of 2^32 triangles are fewer, as each has at
+                    most three quarters of the one above */
 };
 
 struct node {
@@ -122,7 +123,8 @@ static int64_t part_node(struct tree *t, const struct node *n)
             t->order[low++] = swap;
         }
     low -= n->first;
-    return low > 0 && low < n->count ? low : n->count / 2;
+    int64_t least = n->count / 4;
+    return low > least && low < n->count - least ? low : n->count / 2;
 }
 
 static void build(struct tree *t)
@@ -209,7 +211,7 @@ static void find_way(struct tree *t, int64_t vertex)
             continue;
         for (int64_t k = n->first; k < n->first + n->count; k++)
             meet(t, t->order[k], &m);
-        if (n->count == 0 && depth + 2 <= DEEP) {
+        if (n->count == 0) {
             stack[depth++] = n->first;
             stack[depth++] = n->first + 1;
         }

@@ -199,8 +199,9 @@ static bool brings(const struct ends *ends, struct corner a, struct corner b)
     return false;
 }
 
-/* Whether a stitch goes across the end of another one, at its own end `e` and
- * with the corner of side s: both others at a third corner are less wide. */
+/* Whether stitch k goes across the end of another one at its own end e: there
+ * it brings its corner of side s, the widest of three, to the second one, and
+ * the stitch of the second and the third ends. */
 static bool goes_across(const struct garment *g, const struct ends *all, int k,
                         int e, int s)
 {

@@ -11,8 +11,8 @@ enum sewing_stage {
     SEWING_DARTS,  /* seams within a panel whose edges meet */
     SEWING_SEAMS,  /* the others, together: what closes later holds in its place
                       what closes before */
-    SEWING_ACROSS, /* those across the end of one, through which a panel that is
-                      drawn to it would go while it is open */
+    SEWING_ACROSS, /* those that cross the end of one of these: while that is
+                      open, the panel that they draw to it goes through */
     SEWING_WORN,
     SEWING_MOVING,
     SEWING_STAGES

@@ -123,6 +123,21 @@ static const char *check_residual(const struct ledger *a,
     return NULL;
 }
 
+/* A disordered sheet just above a slab, whose particles rise at `up`, m/s. */
+static void disorder(struct slab *d, double v[COUNT][3], double up, int precond)
+{
+    for (uint64_t k = 0; k < 3 * COUNT; k++)
+        v[k / 3][k % 3] = 0.1 * noise_of(k) + (k % 3 == 1 ? up : 0);
+    slab_make(d, DRAPE_BW);
+    d->cloth.m = d->cloth.n = SIDE;
+    d->cloth.width = d->cloth.height = 0.22;
+    d->cloth.origin[0] = d->cloth.origin[2] = -0.11;
+    d->cloth.origin[1] = 0.103;
+    d->cloth.velocity = (const double(*)[3])v;
+    d->obstacle.motion = -1;
+    d->def.precond = precond;
+}
+
 /* Steps a disordered sheet near a slab; up: step 1 has no contacts any more.
  * The disorder is less than a cell in a step. Its impact may end by the looser
  * rule of Newton's part (lagrange.md §4); from then on all slices end in
@@ -136,16 +151,7 @@ static const char *run(bool up, int precond, int newton)
     drape_error error;
     const char *failed = NULL;
     a = (struct ledger){0};
-    for (uint64_t k = 0; k < 3 * COUNT; k++)
-        v[k / 3][k % 3] = 0.1 * noise_of(k) + (up && k % 3 == 1 ? 2 : 0);
-    slab_make(&d, DRAPE_BW);
-    d.cloth.m = d.cloth.n = SIDE;
-    d.cloth.width = d.cloth.height = 0.22;
-    d.cloth.origin[0] = d.cloth.origin[2] = -0.11;
-    d.cloth.origin[1] = 0.103;
-    d.cloth.velocity = (const double(*)[3])v;
-    d.obstacle.motion = -1;
-    d.def.precond = precond;
+    disorder(&d, v, up ? 2 : 0, precond);
     d.def.newton = newton;
     d.def.max_slices = 1;
     d.def.trace = listen;
@@ -218,16 +224,7 @@ static const char *loose(int precond)
     struct arena arena;
     drape_step_report r;
     const char *failed = NULL;
-    for (uint64_t k = 0; k < 3 * COUNT; k++)
-        v[k / 3][k % 3] = 0.1 * noise_of(k);
-    slab_make(&d, DRAPE_BW);
-    d.cloth.m = d.cloth.n = SIDE;
-    d.cloth.width = d.cloth.height = 0.22;
-    d.cloth.origin[0] = d.cloth.origin[2] = -0.11;
-    d.cloth.origin[1] = 0.103;
-    d.cloth.velocity = (const double(*)[3])v;
-    d.obstacle.motion = -1;
-    d.def.precond = precond;
+    disorder(&d, v, 0, precond);
     d.def.tolerance = 0.1;
     struct world *w = slab_inner(&d.def, &arena);
     EXPECT(w);
