@@ -4,8 +4,8 @@
  * stay at right angles to it. So no part of it stretches along the axis, and it
  * does not fold into itself as long as it bends by less than its middle half is
  * longer than its radius. */
-#include "app/scene/limb.h"
 #include "app/base/app.h"
+#include "app/scene/bodies.h"
 
 #include <math.h>
 #include <string.h>

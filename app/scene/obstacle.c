@@ -3,8 +3,6 @@
 #include "app/base/app.h"
 #include "app/base/file.h"
 #include "app/scene/bodies.h"
-#include "app/scene/limb.h"
-#include "app/scene/sequence.h"
 #include "app/scene/shapes.h"
 
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Frames of obstacles that deform: numbered mesh files and point caches. */
-#include "app/scene/sequence.h"
 #include "app/base/app.h"
 #include "app/base/file.h"
+#include "app/scene/bodies.h"
 
 #include <math.h>
 #include <stdlib.h>
