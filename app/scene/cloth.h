@@ -48,6 +48,41 @@ struct cloth {
     int *pin_from; /* [out.n_pins] index in pins of the pin it comes from */
 };
 
+/* How edges with a label are held: the key `attach` of a garment. */
+struct attach_key {
+    char *label;
+    int world, hard;        /* 1 each: not to a body; by any force */
+    double strength, until; /* struct scene_attach */
+};
+struct attach_list {
+    struct attach_key *key; /* [count] */
+    int count;
+    bool given; /* false: what a garment is held by of itself */
+};
+
+/* A garment as a scene's file describes it. */
+struct garment_key {
+    char *pattern, *name, *sewn;
+    double cell, at[3];
+    drape_material material;
+    struct look look;
+    struct attach_list attach;
+    /* out: */
+    int cloths, seams, helds;
+    struct cloth *cloth;       /* [cloths] */
+    drape_seam *seam;          /* [seams] cloths from 0 */
+    struct scene_seam *about;  /* [seams] */
+    struct scene_attach *held; /* [helds] cloths from 0 */
+};
+
+/* Reads the key `attach`; out: struct attach_list. */
+json_reader read_attach;
+/* Finds the particles of a garment, whose cloths and seams are made, that are
+ * held. Returns app_exit; a failure prints one line. */
+struct garment;
+int attach_garment(struct json *json, const struct garment *garment,
+                   struct garment_key *key);
+
 /* Fills cloth->out's start, holes, cuts and pins. Returns app_exit; a fault in
  * the description prints one line. */
 int cloth_sew(struct json *json, struct cloth *cloth);

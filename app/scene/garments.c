@@ -10,18 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-struct garment_key {
-    char *pattern, *name, *sewn;
-    double cell, at[3];
-    drape_material material;
-    struct look look;
-    /* out: */
-    int cloths, seams;
-    struct cloth *cloth;      /* [cloths] */
-    drape_seam *seam;         /* [seams] cloths from 0 */
-    struct scene_seam *about; /* [seams] */
-};
-
 /* The name of a cloth: the panel's, behind the garment's if it has one. */
 static char *name_panel(struct json *json, const struct garment_key *key,
                         const char *panel)
@@ -193,6 +181,8 @@ static int make_garment(struct json *json, struct garment_key *key)
         status = make_cloths(json, &garment, key);
     if (status == APP_OK)
         status = make_seams(json, &garment, key);
+    if (status == APP_OK)
+        status = attach_garment(json, &garment, key);
     if (status == APP_OK && key->sewn)
         status = put_on(json, key);
     struct scene *scene = json->user;
@@ -211,6 +201,7 @@ static int read_garment(struct json *json, json_t *node, void *out)
         NESTED_KEY("material", GARMENT(material), read_material),
         VECTOR_KEY("at", GARMENT(at), -1e6, 1e6, 3),
         TEXT_KEY("sewn", GARMENT(sewn)),
+        NESTED_KEY("attach", GARMENT(attach), read_attach),
         NESTED_KEY("look", GARMENT(look), read_look),
         {0}};
     static const char *const at[] = {"at", NULL};
@@ -281,6 +272,23 @@ static int add_seams(struct pool *pool, struct scene *scene,
     return APP_OK;
 }
 
+/* Adds what of a garment is held, whose first cloth is `first`. */
+static int add_attaches(struct pool *pool, struct scene *scene,
+                        const struct garment_key *key, int first)
+{
+    int n = scene->attaches, more = key->helds;
+    struct scene_attach *to = grow(pool, scene->attach, n, more, sizeof *to);
+    if (!to)
+        return no_memory();
+    for (int k = 0; k < more; k++) {
+        to[n + k] = key->held[k];
+        to[n + k].cloth += first;
+    }
+    scene->attach = to;
+    scene->attaches = n + more;
+    return APP_OK;
+}
+
 int read_garments(struct json *json, json_t *node, void *out)
 {
     struct scene *scene = out;
@@ -300,6 +308,8 @@ int read_garments(struct json *json, json_t *node, void *out)
         status = add_cloths(json->pool, scene, &key[k]);
         if (status == APP_OK)
             status = add_seams(json->pool, scene, &key[k], first);
+        if (status == APP_OK)
+            status = add_attaches(json->pool, scene, &key[k], first);
         scene->garment_cloth[++scene->garments] = scene->def.n_cloths;
     }
     return status;

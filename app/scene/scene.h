@@ -28,6 +28,20 @@ struct scene_seam {
     const double *length; /* [n] m, of the seam that each point stands for */
 };
 
+/* Particles of a panel's border that `drape sew` holds where they are once the
+ * garment is worn. */
+struct scene_attach {
+    char *name;      /* of the panel and the label */
+    int cloth;       /* the panel */
+    bool world;      /* held there; else beside the nearest body, with it */
+    double strength; /* N per metre of border, by which it is held at most; 0:
+                        it holds whatever pulls */
+    double until;    /* s after it is worn; INFINITY: it stays held */
+    double spacing;  /* m of border a point */
+    int64_t n;
+    int32_t *particle; /* [n] */
+};
+
 struct scene {
     drape_def def;
     char file[4096]; /* path as given */
@@ -41,6 +55,10 @@ struct scene {
     struct look *cloth_look, *obstacle_look; /* as many */
     int **pin_from; /* [n_cloths][n_pins] index in the file's list of pins */
     struct scene_seam *seam;      /* [def.n_seams] */
+    struct scene_attach *attach; /* [attaches] */
+    int attaches;
+    int hidden; /* of the cloths, the last of def's: they hold others, and no
+                   file shows them */
     int garments, *garment_cloth; /* [garments + 1] where each one's cloths
                                      begin */
     bool unsewn; /* some seams are as far apart as their pattern places them */

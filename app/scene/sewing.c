@@ -81,7 +81,9 @@ static int mark_cloth(struct sewing *s)
         for (int i = 0; i < 3; i++)
             there[s->tri[k][i]] = s->group[k];
     }
-    for (int64_t k = 0; k < s->nc; k++)
+    int64_t shown =
+        drape_first_vertex(s->world, s->whole.n_cloths - s->scene->hidden);
+    for (int64_t k = 0; k < shown; k++)
         s->particles += there[k];
     return APP_OK;
 }
@@ -91,11 +93,13 @@ static int mark_cloth(struct sewing *s)
 static int inspect_scene(struct sewing *s)
 {
     const drape_def *def = &s->whole;
-    int cloths = def->n_cloths, obstacles = def->n_obstacles;
-    int status = scene_create(s->scene, s->overrides, &s->world);
+    int status = holds_begin(s);
+    if (status == APP_OK)
+        status = scene_create(s->scene, s->overrides, &s->world);
     if (status != APP_OK)
         return status;
     s->whole = s->scene->def; /* with the overrides */
+    int cloths = def->n_cloths, obstacles = def->n_obstacles;
     s->nv = drape_vertices(s->world);
     s->nt = drape_triangles(s->world);
     s->nc = drape_first_vertex(s->world, cloths);
@@ -108,8 +112,10 @@ static int inspect_scene(struct sewing *s)
     s->cloth = pool_take(&s->pool, (size_t)cloths, sizeof *s->cloth);
     s->obstacle =
         pool_take(&s->pool, (size_t)obstacles + 1, sizeof *s->obstacle);
-    s->turn = pool_take(&s->pool, (size_t)def->n_seams + 1, sizeof *s->turn);
-    if (!s->x || !s->anchor || !s->v || !s->tri || !s->group || !s->cloth ||
+    s->turn = pool_take(&s->pool, (size_t)(def->n_seams + s->holds) + 1,
+                        sizeof *s->turn);
+    s->next = pool_take(&s->pool, nv + 1, sizeof *s->next);
+    if (!s->x || !s->next || !s->anchor || !s->v || !s->tri || !s->group || !s->cloth ||
         !s->obstacle || !s->turn)
         return no_memory();
     int known = drape_read_triangles(s->world, s->tri);
@@ -142,7 +148,7 @@ static void define_stage(struct sewing *s, enum sewing_stage stage)
     }
     for (int k = 0; k < def->n_obstacles; k++) {
         s->obstacle[k] = s->whole.obstacles[k];
-        if (moving)
+        if (moving && !s->holds)
             continue; /* it is led from its time 0 on, where it stands yet */
         s->obstacle[k].x = (const double(*)[3])s->x + at;
         s->obstacle[k].motion = -1;
@@ -165,6 +171,7 @@ static void define_stage(struct sewing *s, enum sewing_stage stage)
         s->turn[def->n_seams++].strength =
             (worn ? worn_pull : sewing_pull) * s->seam[k].spacing;
     }
+    holds_define(s);
     if (def->trace) {
         def->trace = trace;
         def->trace_user = s;
@@ -203,21 +210,30 @@ static int read_seams(struct sewing *s)
     return APP_OK;
 }
 
-static int enter_stage(struct sewing *s, enum sewing_stage stage)
+/* Makes the world of a stage from the state of the one before it. */
+static int make_world(struct sewing *s, enum sewing_stage stage)
 {
     int status = drape_read(s->world, s->x, s->v);
     if (status != DRAPE_OK)
         return failed("the state", status);
+    if (holds_may_begin(s, stage))
+        holds_bind(s);
     drape_destroy(s->world);
     s->world = NULL;
     s->stage = stage;
-    s->begun[stage] = s->steps;
-    s->still = 0;
-    s->left = INFINITY;
     s->anchored = -1;
+    s->heavy = stage == SEWING_MOVING;
     define_stage(s, stage);
     status = scene_create(s->scene, s->overrides, &s->world);
     return status == APP_OK ? read_seams(s) : status;
+}
+
+static int enter_stage(struct sewing *s, enum sewing_stage stage)
+{
+    s->begun[stage] = s->steps;
+    s->still = 0;
+    s->left = INFINITY;
+    return make_world(s, stage);
 }
 
 /* The next stage that has a seam. */
@@ -246,6 +262,7 @@ int sewing_begin(struct sewing *sewing, struct scene *scene,
 
 void sewing_end(struct sewing *sewing)
 {
+    holds_end(sewing);
     drape_destroy(sewing->world);
     sewing->world = NULL;
     if (sewing->scene)
@@ -316,10 +333,12 @@ static int raise_gravity(struct sewing *s)
 {
     double ramp = (double)RAMP * s->scene->steps_per_frame, g[3];
     double part = (double)(s->steps - s->begun[SEWING_WORN] + 1) / ramp;
-    if (part > 1 + 0.5 / ramp)
+    part = fmin(part, 1);
+    if (part == s->heavy)
         return APP_OK;
+    s->heavy = part;
     for (int i = 0; i < 3; i++)
-        g[i] = fmin(part, 1) * s->whole.gravity[i];
+        g[i] = part * s->whole.gravity[i];
     int status = drape_set_gravity(s->world, g);
     return status == DRAPE_OK ? APP_OK : failed("gravity", status);
 }
@@ -367,13 +386,20 @@ static int find_rest(struct sewing *s)
         memcpy(s->anchor, s->x, (size_t)s->nc * sizeof *s->x);
         s->anchored = s->steps;
     }
-    s->rest = (double)(s->steps - s->anchored) * s->whole.dt > rest_time;
+    s->rest = (double)(s->steps - s->anchored) * s->whole.dt > rest_time &&
+              !holds_will_end(s);
     return APP_OK;
 }
 
 int sewing_step(struct sewing *sewing, drape_step_report *report)
 {
-    int status = move_targets(sewing);
+    int status = APP_OK;
+    if (holds_may_begin(sewing, sewing->stage) || holds_are_due(sewing))
+        status = make_world(sewing, sewing->stage);
+    if (status == APP_OK)
+        status = move_targets(sewing);
+    if (status == APP_OK)
+        status = holds_move(sewing);
     if (status == APP_OK && sewing->stage == SEWING_WORN)
         status = raise_gravity(sewing);
     if (status != APP_OK)
@@ -385,6 +411,8 @@ int sewing_step(struct sewing *sewing, drape_step_report *report)
     report->step = sewing->steps;
     report->time = (double)sewing->steps * sewing->whole.dt;
     status = read_seams(sewing);
+    if (status == APP_OK)
+        status = holds_read(sewing);
     if (status == APP_OK && sewing->stage < SEWING_WORN && is_done(sewing))
         return enter_stage(sewing, next_stage(sewing, sewing->stage + 1));
     if (status == APP_OK && sewing->stage == SEWING_WORN)

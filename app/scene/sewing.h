@@ -48,6 +48,23 @@ struct sewing_seam {
     int64_t closed; /* step after which it was closed last; 0: it is open */
 };
 
+/* Particles that are held once the garment is worn. */
+struct sewing_hold {
+    const struct scene_attach *about;
+    int index;           /* of its seam in the world; -1: it does not hold */
+    bool told;           /* the world has these targets */
+    int body;            /* an obstacle, that most are beside; -1: none */
+    int64_t from, to;    /* steps after which it held, and no more; -1: not yet */
+    struct skin *skin;   /* [n] beside which each is held */
+    int32_t (*onto)[2];  /* [n] its anchor, twice */
+    double *part;        /* [n] 0 */
+    double (*gap)[3];    /* [n] m, particle - anchor, after the last step */
+    double (*pull)[3];   /* [n] N, on the particle, in the last step */
+    double (*target)[3]; /* [n] m */
+    double slip;         /* m, the largest way from where it is held */
+    double strongest;    /* N/m, the largest pull of a point a spacing */
+};
+
 struct sewing {
     struct scene *scene;
     const struct overrides *overrides;
@@ -55,6 +72,12 @@ struct sewing {
     drape_world *world; /* of the present stage */
     enum sewing_stage stage;
     struct sewing_seam *seam;     /* [whole.n_seams] */
+    struct sewing_hold *hold;     /* [holds] */
+    int holds;
+    const double (*anchor_at)[3]; /* m, the particles of the anchors' cloth */
+    drape_world *ahead;           /* bodies that move, a step ahead */
+    double (*next)[3];            /* [nv] m, and where they are there */
+    double heavy;                 /* the part of gravity that the world has */
     int64_t begun[SEWING_STAGES]; /* step before each; -1: skipped */
     int64_t steps, still;         /* made; without progress */
     double left;                  /* least of what was to close */
@@ -88,6 +111,22 @@ int sewing_move(struct sewing *sewing);
 /* Counts the intersecting pairs of triangles that can collide, and those that
  * are sewn together. Returns app_exit. */
 int sewing_audit(struct sewing *sewing, int64_t *pairs, int64_t *sewn);
+/* Attachments, app/scene/hold.c. Adds the cloth of their anchors to the scene,
+ * before a world is made of it; whether they begin now, in this stage; holds
+ * what is to be held where it is now, in s->x; adds the seams of what is held at
+ * this time to the stage's definition; whether one of them has had its time, or
+ * will; moves bodies and targets to where they are at the end of the next step;
+ * reads what they are like. */
+int holds_begin(struct sewing *sewing);
+bool holds_may_begin(const struct sewing *sewing, enum sewing_stage stage);
+void holds_bind(struct sewing *sewing);
+void holds_define(struct sewing *sewing);
+bool holds_are_due(const struct sewing *sewing);
+bool holds_will_end(const struct sewing *sewing);
+int holds_move(struct sewing *sewing);
+int holds_read(struct sewing *sewing);
+void holds_end(struct sewing *sewing);
+
 /* Whether a seam is closed to 1 % of a cell. */
 bool sewing_is_closed(const struct sewing *sewing, int seam);
 void sewing_end(struct sewing *sewing);

@@ -24,7 +24,8 @@ struct sew {
     struct report report;
     struct progress progress;
     json_t *root; /* of the scene, whose files are named from the root on */
-    const char *body, *motion, *rate, *apart, *fabric, *cell, *directory;
+    const char *body, *motion, *rate, *apart, *fabric, *cell, *attach,
+        *directory;
     char out[FILE_PATH];
     struct file trace;
     int64_t worn; /* steps after which the bodies began to move; 0: they did not
@@ -99,6 +100,53 @@ static json_t *wrap_body(const struct sew *sew, double rate, double apart)
     return body;
 }
 
+/* A word of an attachment: how, to what, or for how long. false: none of these.
+ */
+static bool read_word(const char *word, json_t *attach)
+{
+    char *end;
+    double number = strtod(word, &end);
+    if (!strcmp(word, "soft") || !strcmp(word, "hard"))
+        json_object_set_new(attach, "hold", json_string(word));
+    else if (!strcmp(word, "body") || !strcmp(word, "world"))
+        json_object_set_new(attach, "to", json_string(word));
+    else if (*word && !*end && number > 0 && number <= 1e6)
+        json_object_set_new(attach, "until", json_real(number));
+    else
+        return false;
+    return true;
+}
+
+/* Reads LABEL[:soft|hard][:body|world][:SECONDS], and others behind commas, to
+ * a garment's key; `none`: nothing is attached. */
+static int read_attaches(const char *text, json_t *garment)
+{
+    json_t *list = json_array();
+    char *copy = strdup(text), *place, *inner;
+    json_object_set_new(garment, "attach", list);
+    if (!copy)
+        return no_memory();
+    bool none = !strcmp(text, "none"), good = none || *text;
+    for (char *one = strtok_r(copy, ",", &place); one && !none && good;
+         one = strtok_r(NULL, ",", &place)) {
+        json_t *attach = json_object();
+        char *word = strtok_r(one, ":", &inner);
+        good = word != NULL;
+        if (good)
+            json_object_set_new(attach, "label", json_string(word));
+        while (good && (word = strtok_r(NULL, ":", &inner)))
+            good = read_word(word, attach);
+        json_array_append_new(list, attach);
+    }
+    free(copy);
+    return good ? APP_OK
+                : complain(APP_USAGE,
+                           "--attach %s: expected "
+                           "LABEL[:soft|hard][:body|world][:SECONDS], more of "
+                           "these behind commas, or none",
+                           text);
+}
+
 /* The scene of a pattern and a body. NULL after one line. */
 static json_t *wrap(const struct sew *sew, const char *file)
 {
@@ -122,6 +170,8 @@ static json_t *wrap(const struct sew *sew, const char *file)
     json_object_set_new(garment, "cell", json_real(cell));
     if (sew->fabric)
         json_object_set_new(garment, "material", json_string(sew->fabric));
+    if (sew->attach && read_attaches(sew->attach, garment) != APP_OK)
+        return NULL;
     char name[256];
     snprintf(name, sizeof name, "%.250s", slash ? slash + 1 : file);
     char *dot = strrchr(name, '.');
@@ -151,10 +201,11 @@ static int load(struct sew *sew, const char *file)
             return APP_USAGE;
     } else {
         if (sew->body || sew->cell || sew->fabric || sew->motion || sew->rate ||
-            sew->apart)
+            sew->apart || sew->attach)
             return complain(APP_USAGE,
                             "%s is no pattern: --body, --motion, --rate, "
-                            "--apart, --cell and --fabric are keys of a scene",
+                            "--apart, --cell, --fabric and --attach are keys "
+                            "of a scene",
                             file);
         name_files(sew->root, file);
     }
@@ -258,6 +309,28 @@ static int step(struct sew *sew)
     return status;
 }
 
+/* Says what is attached, to what and for how long. */
+static void tell_holds(const struct sewing *s)
+{
+    for (int k = 0; k < s->holds; k++) {
+        const struct sewing_hold *hold = &s->hold[k];
+        char until[64] = "to the end";
+        if (hold->to >= 0)
+            snprintf(until, sizeof until, "until step %lld",
+                     (long long)hold->to);
+        if (hold->from >= 0)
+            complain(APP_OK,
+                     "%s: %lld particles were held to %s from step %lld %s; "
+                     "they slipped by at most %.2g mm, and the pull was %.2g "
+                     "N/m at most",
+                     hold->about->name, (long long)hold->about->n,
+                     hold->body < 0 ? "the world"
+                                    : s->scene->obstacle_name[hold->body],
+                     (long long)hold->from, until, 1e3 * hold->slip,
+                     hold->strongest);
+    }
+}
+
 /* Names the seams that are open, and says how it ended. */
 static int tell(const struct sew *sew, const struct totals *t, const char *end)
 {
@@ -278,6 +351,7 @@ static int tell(const struct sew *sew, const struct totals *t, const char *end)
                      s->scene->seam[k].name, 1e3 * seam->most, seam->worst,
                      (long long)seam->n, seam->waiting, seam->strongest);
     }
+    tell_holds(s);
     if (t->unconverged)
         complain(0, "note: the solver missed its tolerance in %lld steps",
                  (long long)t->unconverged);
@@ -444,6 +518,7 @@ int command_sew(int argc, char **argv)
         TEXT_OPTION("--apart", &sew.apart),
         TEXT_OPTION("--cell", &sew.cell),
         TEXT_OPTION("--fabric", &sew.fabric),
+        TEXT_OPTION("--attach", &sew.attach),
         INT_OPTION("--frames", &sew.frames, 0, 1000000),
         TEXT_OPTION("--out", &sew.directory),
         TEXT_OPTION("--backend", &sew.overrides.backend),

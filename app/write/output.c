@@ -11,17 +11,19 @@
 static int make_parts(struct output *o, const struct scene *scene,
                       const drape_world *world)
 {
-    int cloths = scene->def.n_cloths, bodies = cloths + scene->def.n_obstacles;
+    int cloths = scene->def.n_cloths - scene->hidden;
+    int bodies = cloths + scene->def.n_obstacles;
     struct part *part = pool_take(&o->pool, (size_t)bodies + 1, sizeof *part);
     o->made = scene->def.cloths;
     o->stretch = pool_take(&o->pool, (size_t)cloths + 1, sizeof *o->stretch);
     if (!part || !o->stretch)
         return complain(APP_FAILED, "out of memory");
     for (int k = 0; k < bodies; k++) {
-        part[k].nv =
-            drape_first_vertex(world, k + 1) - drape_first_vertex(world, k);
-        part[k].nt =
-            drape_first_triangle(world, k + 1) - drape_first_triangle(world, k);
+        int body = k < cloths ? k : k + scene->hidden;
+        part[k].nv = drape_first_vertex(world, body + 1) -
+                     drape_first_vertex(world, body);
+        part[k].nt = drape_first_triangle(world, body + 1) -
+                     drape_first_triangle(world, body);
         if (k < cloths) {
             part[k].name = scene->cloth_name[k];
             part[k].m = scene->def.cloths[k].m;
@@ -54,7 +56,9 @@ static int make_views(struct output *o, const struct scene *scene,
         return complain(APP_FAILED, "the triangles cannot be read");
     int64_t nv = drape_first_vertex(world, cloths);
     int64_t nt = drape_first_triangle(world, cloths);
-    o->cloth = (struct mesh){nv, nt, all->x, all->tri};
+    o->cloth = (struct mesh){
+        drape_first_vertex(world, cloths - scene->hidden),
+        drape_first_triangle(world, cloths - scene->hidden), all->x, all->tri};
     o->obstacles =
         (struct mesh){all->nv - nv, all->nt - nt, all->x + nv, all->tri + nt};
     for (int64_t k = 0; k < o->obstacles.nt; k++)

@@ -120,9 +120,17 @@ static void put_bodies(FILE *out, const struct scene *scene,
 {
     const drape_def *def = &scene->def;
     int bodies = def->n_cloths + def->n_obstacles;
+    int cloths = def->n_cloths - scene->hidden;
+    /* what the files do not show */
+    int64_t v = drape_first_vertex(world, def->n_cloths) -
+                drape_first_vertex(world, cloths);
+    int64_t t = drape_first_triangle(world, def->n_cloths) -
+                drape_first_triangle(world, cloths);
     fputs("  \"bodies\": [\n", out);
     for (int k = 0; k < bodies; k++) {
         bool cloth = k < def->n_cloths;
+        if (cloth && k >= cloths)
+            continue;
         fputs("    {\"name\": ", out);
         text_put(out, cloth ? scene->cloth_name[k]
                             : scene->obstacle_name[k - def->n_cloths]);
@@ -130,8 +138,8 @@ static void put_bodies(FILE *out, const struct scene *scene,
                 ", \"kind\": \"%s\", \"first_vertex\": %lld, "
                 "\"first_triangle\": %lld",
                 cloth ? "cloth" : "obstacle",
-                (long long)drape_first_vertex(world, k),
-                (long long)drape_first_triangle(world, k));
+                (long long)(drape_first_vertex(world, k) - (cloth ? 0 : v)),
+                (long long)(drape_first_triangle(world, k) - (cloth ? 0 : t)));
         if (cloth) {
             const drape_cloth *c = &def->cloths[k];
             fprintf(out, ", \"particles\": [%d, %d], \"size\": [%.17g, %.17g]",
@@ -150,8 +158,8 @@ static void put_bodies(FILE *out, const struct scene *scene,
         fprintf(out, "}%s\n", k + 1 < bodies ? "," : "");
     }
     fprintf(out, "  ],\n  \"vertices\": %lld, \"triangles\": %lld,\n",
-            (long long)drape_vertices(world),
-            (long long)drape_triangles(world));
+            (long long)(drape_vertices(world) - v),
+            (long long)(drape_triangles(world) - t));
 }
 
 static void put_plan(FILE *out, const drape_world *world)

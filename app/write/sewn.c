@@ -68,6 +68,39 @@ static void put_seam(FILE *out, const struct sewing *s, int k)
     fputc('}', out);
 }
 
+/* A step, or null where it has not come. */
+static void put_step(FILE *out, const char *key, int64_t step)
+{
+    fprintf(out, ", \"%s\": ", key);
+    if (step < 0)
+        fputs("null", out);
+    else
+        fprintf(out, "%" PRId64, step);
+}
+
+/* An attachment; the body is null where the world holds it. */
+static void put_hold(FILE *out, const struct sewing *s, int k)
+{
+    const struct sewing_hold *hold = &s->hold[k];
+    const struct scene_attach *about = hold->about;
+    fputs("    {\"name\": ", out);
+    text_put(out, about->name);
+    fputs(", \"body\": ", out);
+    if (hold->body < 0)
+        fputs("null", out);
+    else
+        text_put(out, s->scene->obstacle_name[hold->body]);
+    fprintf(out, ", \"hold\": \"%s\", \"points\": %" PRId64,
+            about->strength > 0 ? "soft" : "hard", about->n);
+    put_step(out, "from", hold->from);
+    put_step(out, "until", hold->to);
+    fputs(", \"slip_m\": ", out);
+    text_put_number(out, "%.6g", hold->slip);
+    fputs(", \"pull_N_per_m\": ", out);
+    text_put_number(out, "%.6g", hold->strongest);
+    fputs(k + 1 < s->holds ? "},\n" : "}\n", out);
+}
+
 static void put_frame(FILE *out, const struct sewing *s,
                       const struct sewn_frame *row)
 {
@@ -108,6 +141,9 @@ bool sewn_write(const struct sewn *sewn, const struct sewing *sewing,
         put_seam(out, sewing, k);
         fputs(k + 1 < sewing->whole.n_seams ? ",\n" : "\n", out);
     }
+    fputs("  ],\n  \"attachments\": [\n", out);
+    for (int k = 0; k < sewing->holds; k++)
+        put_hold(out, sewing, k);
     fputs("  ],\n  \"frames\": [\n", out);
     for (int k = 0; k < sewn->count; k++) {
         put_frame(out, sewing, &sewn->frame[k]);
