@@ -42,6 +42,7 @@ from .record import Recorder
 from .referee import Verdict, audit_frames
 from .reports import Memory, Outcome, PlanRow, Status, StepReport, Work
 from .scene import (
+    Attach,
     Bend,
     Camera,
     Cloth,
@@ -59,7 +60,7 @@ from .scene import (
     Start,
     Wind,
 )
-from .sewing import Seam, Sewn, SewnFrame, sew
+from .sewing import Attachment, Seam, Sewn, SewnFrame, sew
 from .sweeps import Sweep, Variant, grid, sample, sweep
 from .uvmesh import Chart, UVMesh
 from .viewer.show import Viewer, view
@@ -75,6 +76,8 @@ def info() -> str:
 
 
 __all__ = [
+    "Attach",
+    "Attachment",
     "Audit",
     "Bend",
     "Body",

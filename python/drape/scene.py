@@ -74,6 +74,7 @@ PLACES: dict[str, Callable[[Any], Any]] = {
     "Pin": lambda keys: {"cloths": [{"pins": [keys]}]},
     "Panel": lambda keys: {"cloths": [{"panel": keys}]},
     "Garment": lambda keys: {"garments": [keys]},
+    "Attach": lambda keys: {"garments": [{"attach": [keys]}]},
     "Region": lambda keys: {"cloths": [{"holes": [keys]}]},
     "Look": lambda keys: {"cloths": [{"look": keys}]},
     "Obstacle": lambda keys: {"obstacles": [keys]},
@@ -324,6 +325,26 @@ class Panel(Keys):
 
 
 @dataclass(kw_only=True, eq=False, repr=False)
+class Attach(Keys):
+    """Edges of a garment's pattern that `drape.sew` holds where they are once it is
+    worn.
+
+    Attributes:
+        label: of the edges
+        to: "body", with the nearest place of which they move; or "world"
+        hold: "soft", by `strength` at most; or "hard", by any force
+        strength: N per metre of the edges; default: 30
+        until: s after which they are let go; default: never
+    """
+
+    label: str | None = None
+    to: str | None = None
+    hold: str | None = None
+    strength: float | None = None
+    until: float | None = None
+
+
+@dataclass(kw_only=True, eq=False, repr=False)
 class Garment(Keys):
     """All panels of a sewing pattern, each a cloth of its name, and their seams, a
     stitch each. Seams hold what they have at the start: `drape sew` closes them.
@@ -335,6 +356,8 @@ class Garment(Keys):
         material: a fabric's name, a Material or a mapping
         at: [3] m, where the pattern's origin is
         sewn: a PLY mesh of its particles, as `drape sew` writes, where it starts
+        attach: a list of Attach, what `drape.sew` holds; default: the edges of the
+            label "lower_interface" to which nothing is sewn, softly
         look: of all its panels
     """
 
@@ -344,6 +367,7 @@ class Garment(Keys):
     material: str | Material | Mapping[str, Any] | None = None
     at: Vector | None = None
     sewn: str | None = None
+    attach: Sequence[Attach] | None = None
     look: Look | None = None
 
 
@@ -686,7 +710,7 @@ INSIDE: dict[type[Any], dict[str, type[Any]]] = {
         **{"start": Start, "material": Material, "holes": Region, "cuts": Region},
         **{"pins": Pin, "look": Look, "panel": Panel},
     },
-    Garment: {"material": Material, "look": Look},
+    Garment: {"material": Material, "attach": Attach, "look": Look},
     Obstacle: {"frames": Frames, "bend": Bend, "look": Look},
     Scene: {
         **{"cloths": Cloth, "garments": Garment, "obstacles": Obstacle},

@@ -57,6 +57,32 @@ class Seam:
 
 
 @dataclass(frozen=True)
+class Attachment:
+    """Edges of a panel that were held once the garment was worn.
+
+    Attributes:
+        name: the panel and the label of its edges, as "front lower_interface"
+        body: the name of the obstacle beside which they were held; None: the world, or
+            it never held
+        hold: "soft" or "hard"
+        points: particles that it holds
+        began, ended: the steps before it held and before it was let go; None: it was
+            not yet
+        slip: m, the largest way of a particle from where it is held
+        pull: N/m, the largest
+    """
+
+    name: str
+    body: str | None
+    hold: str
+    points: int
+    began: int | None
+    ended: int | None
+    slip: float
+    pull: float
+
+
+@dataclass(frozen=True)
 class SewnFrame:
     """A frame of sewing.
 
@@ -93,6 +119,7 @@ class Sewn:
         outcome: all that happened in any of the steps
         stages: the step before which each stage began
         seams: a `Seam` each, in the order of the garments and of their stitches
+        attachments: an `Attachment` each, of a panel and a label
         frames: a `SewnFrame` each
     """
 
@@ -108,6 +135,7 @@ class Sewn:
         self.dt: float = about["dt"]
         self.stages: dict[str, int] = about["stages"]
         self.seams = [_seam(each) for each in about["seams"]]
+        self.attachments = [_attachment(each) for each in about.get("attachments", [])]
         self.frames = [SewnFrame(**each) for each in about["frames"]]
         count = run["summary"]["outcomes"]
         flags = (flag for flag in Outcome if count[str(flag.name).lower()])
@@ -229,6 +257,13 @@ def _seam(row: dict[str, Any]) -> Seam:
     return Seam(gap=gap, pull=pull, **row)
 
 
+def _attachment(row: dict[str, Any]) -> Attachment:
+    """Returns an attachment of sew.json."""
+    steps = {"began": row.pop("from"), "ended": row.pop("until")}
+    slip, pull = row.pop("slip_m"), row.pop("pull_N_per_m")
+    return Attachment(**steps, slip=slip, pull=pull, **row)
+
+
 def sew(
     pattern: scenes.SceneLike | UVMesh,
     body: Any = None,
@@ -237,6 +272,7 @@ def sew(
     rate: float = 60,
     cell: float | None = None,
     material: str | scenes.Material | Mapping[str, Any] | None = None,
+    attach: Sequence[scenes.Attach | Mapping[str, Any]] | None = None,
     folder: str | os.PathLike[str] | None = None,
     frames: int | None = None,
     every: int = 1,
@@ -263,6 +299,9 @@ def sew(
         rate: frames of `motion` a second
         cell: m, side of a cell; default: 0.005
         material: a fabric's name, a `Material` or a mapping; default: light cotton
+        attach: which edges of a pattern are held once the garment is worn, by their
+            labels: a list of `Attach`; default: those of the label "lower_interface" to
+            which nothing is sewn
         folder: for what is written; default: one that goes with what is returned
         frames: at most, until the garment is at rest; default: the scene's, of a
             pattern 600
@@ -281,7 +320,10 @@ def sew(
     """
     given = {"body": body, "cell": cell, "material": material}
     given["motion"] = None if motion in (True, False, None) else (motion, rate)
+    given["attach"] = attach
     mesh = _mesh_of(pattern)
+    if mesh and attach is not None:
+        raise SceneError("attach: it is for a pattern; the edges of a mesh have no label")
     text = None if mesh else _read(_wrapped(pattern, given), keys)  # type: ignore[arg-type]
     words: list[object] = ["--every", every]
     words += [] if frames is None else ["--frames", frames]
@@ -372,7 +414,10 @@ def _wrapped(pattern: scenes.SceneLike, given: Mapping[str, Any]) -> scenes.Scen
         return pattern
     file = Path(pattern)  # type: ignore[arg-type]
     garment = scenes.Garment(
-        pattern=file, cell=given["cell"], material=given["material"]
+        pattern=file,
+        cell=given["cell"],
+        material=given["material"],
+        attach=given["attach"],
     )
     return _worn(garment, file.stem, given["body"], given["motion"])
 

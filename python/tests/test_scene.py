@@ -32,6 +32,7 @@ TABLES = {
     drape.Pin: "cloth.c",
     drape.Panel: "panel.c",
     drape.Garment: "garments.c",
+    drape.Attach: "attach.c",
     drape.Cloth: "cloth.c",
     drape.Look: "look.c",
     drape.Frames: "sequence.c",
