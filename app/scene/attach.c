@@ -90,8 +90,18 @@ static int check_label(struct json *json, const struct pattern *pattern,
                            "one has \"%.60s\"",
                            pattern->file, key->label, other);
     return json_refuse(json,
-                       "attach: no edge of %s has a label, nor \"%.60s\"",
+                       "attach: no edge of %s has the label \"%.60s\", nor "
+                       "any other",
                        pattern->file, key->label);
+}
+
+int attach_check(struct json *json, const struct pattern *pattern,
+                 const struct attach_list *list)
+{
+    int status = APP_OK;
+    for (int k = 0; k < list->count && status == APP_OK; k++)
+        status = check_label(json, pattern, &list->key[k]);
+    return status;
 }
 
 /* Takes out the particles that are sewn to a place between others that are
@@ -188,16 +198,10 @@ int attach_garment(struct json *json, const struct garment *garment,
         if (!held[k])
             return no_memory();
     }
-    for (int a = 0; a < list->count; a++) {
-        int status = list->given
-                         ? check_label(json, garment->pattern, &list->key[a])
-                         : APP_OK;
-        if (status != APP_OK)
-            return status;
+    for (int a = 0; a < list->count; a++)
         for (int k = 0; k < panels; k++)
             length[a * panels + k] = mark_edges(
                 garment, k, list, a + 1, key->cloth[k].panel, held[k]);
-    }
     free_sewn(key, held);
     for (int a = 0; a < list->count; a++)
         for (int k = 0; k < panels; k++) {

@@ -77,6 +77,10 @@ struct garment_key {
 
 /* Reads the key `attach`; out: struct attach_list. */
 json_reader read_attach;
+/* Refuses a label that no edge has. Returns app_exit. */
+struct pattern;
+int attach_check(struct json *json, const struct pattern *pattern,
+                 const struct attach_list *list);
 /* Finds the particles of a garment, whose cloths and seams are made, that are
  * held. Returns app_exit; a failure prints one line. */
 struct garment;

@@ -167,6 +167,8 @@ static int make_garment(struct json *json, struct garment_key *key)
     int status = find_beside(json, "pattern", key->pattern, path);
     if (status == APP_OK)
         status = pattern_load(json->pool, path, pattern);
+    if (status == APP_OK)
+        status = attach_check(json, pattern, &key->attach);
     if (status != APP_OK)
         return status;
     /* messages name the file for as long as the scene lives */

@@ -131,7 +131,7 @@ static void put_bodies(FILE *out, const struct scene *scene,
         bool cloth = k < def->n_cloths;
         if (cloth && k >= cloths)
             continue;
-        fputs("    {\"name\": ", out);
+        fprintf(out, "%s    {\"name\": ", k ? ",\n" : "");
         text_put(out, cloth ? scene->cloth_name[k]
                             : scene->obstacle_name[k - def->n_cloths]);
         fprintf(out,
@@ -155,9 +155,9 @@ static void put_bodies(FILE *out, const struct scene *scene,
             fputs(", \"look\": ", out);
             look_write(out, &looks[cloth ? k : k - def->n_cloths]);
         }
-        fprintf(out, "}%s\n", k + 1 < bodies ? "," : "");
+        fputc('}', out);
     }
-    fprintf(out, "  ],\n  \"vertices\": %lld, \"triangles\": %lld,\n",
+    fprintf(out, "\n  ],\n  \"vertices\": %lld, \"triangles\": %lld,\n",
             (long long)(drape_vertices(world) - v),
             (long long)(drape_triangles(world) - t));
 }
