@@ -19,8 +19,8 @@ static double dot(const double a[3], const double b[3])
 static void cross(const double a[3], const double b[3], double out[3])
 {
     for (int i = 0; i < 3; i++)
-        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] -
-                 a[(i + 2) % 3] * b[(i + 1) % 3];
+        out[i] =
+            a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
 }
 
 /* The unit axes of a triangle: along its first side, across it, along its
@@ -140,7 +140,6 @@ void skin_follow(const struct skin *skin, const int32_t (*tri)[3],
     for (int i = 0; i < 3; i++) {
         place[i] = 0;
         for (int k = 0; k < 3; k++)
-            place[i] +=
-                skin->part[k] * x[t[k]][i] + skin->off[k] * axis[k][i];
+            place[i] += skin->part[k] * x[t[k]][i] + skin->off[k] * axis[k][i];
     }
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Attachments of a garment: reads which labels of its pattern hold it, and finds
- * the particles of the edges that have them. app/patterns/README.md §11 */
+/* Attachments of a garment: reads which labels of its pattern hold it, and
+ * finds the particles of the edges that have them. app/patterns/README.md §13
+ */
 #include "app/base/app.h"
 #include "app/base/nearest.h"
 #include "app/scene/cloth.h"
@@ -200,8 +201,8 @@ int attach_garment(struct json *json, const struct garment *garment,
     }
     for (int a = 0; a < list->count; a++)
         for (int k = 0; k < panels; k++)
-            length[a * panels + k] = mark_edges(
-                garment, k, list, a + 1, key->cloth[k].panel, held[k]);
+            length[a * panels + k] = mark_edges(garment, k, list, a + 1,
+                                                key->cloth[k].panel, held[k]);
     free_sewn(key, held);
     for (int a = 0; a < list->count; a++)
         for (int k = 0; k < panels; k++) {

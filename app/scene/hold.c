@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Holds labelled borders of garments once they are worn: app/patterns/README.md
- * §11. A hold is a seam to anchors: particles of a cloth that is pinned far
+ * §13. A hold is a seam to anchors: particles of a cloth that is pinned far
  * above the bodies and that no file shows, whose target is the way from the
  * anchor to the place where the particle is to be. So what holds softly, by so
  * many newtons at most, and what holds by any force are one thing. */
@@ -140,7 +140,8 @@ static int32_t anchor_of(const drape_cloth *sheet, int64_t k)
 static int make_hold(struct sewing *s, struct sewing_hold *hold, int64_t first)
 {
     const struct scene_attach *about = hold->about;
-    const drape_cloth *sheet = &s->scene->def.cloths[s->scene->def.n_cloths - 1];
+    const drape_cloth *sheet =
+        &s->scene->def.cloths[s->scene->def.n_cloths - 1];
     size_t n = (size_t)about->n;
     hold->onto = pool_take(&s->pool, n, sizeof *hold->onto);
     hold->part = pool_take(&s->pool, n, sizeof *hold->part);
@@ -166,7 +167,7 @@ int holds_begin(struct sewing *s)
     s->holds = scene->attaches;
     for (int k = 0; k < s->holds; k++)
         count += scene->attach[k].n;
-    if (!s->holds)
+    if (count < 1)
         return APP_OK;
     s->hold = pool_take(&s->pool, (size_t)s->holds, sizeof *s->hold);
     int status = s->hold ? add_sheet(s, count) : no_memory();
@@ -381,9 +382,8 @@ int holds_read(struct sewing *s)
             for (int i = 0; i < 3; i++)
                 slip[i] = hold->gap[p][i] - hold->target[p][i];
             hold->slip = fmax(hold->slip, length_of(slip));
-            hold->strongest =
-                fmax(hold->strongest,
-                     length_of(hold->pull[p]) / hold->about->spacing);
+            hold->strongest = fmax(hold->strongest, length_of(hold->pull[p]) /
+                                                        hold->about->spacing);
         }
     }
     return APP_OK;

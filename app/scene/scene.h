@@ -54,7 +54,7 @@ struct scene {
     char **cloth_name, **obstacle_name, **motion_name;
     struct look *cloth_look, *obstacle_look; /* as many */
     int **pin_from; /* [n_cloths][n_pins] index in the file's list of pins */
-    struct scene_seam *seam;      /* [def.n_seams] */
+    struct scene_seam *seam;     /* [def.n_seams] */
     struct scene_attach *attach; /* [attaches] */
     int attaches;
     int hidden; /* of the cloths, the last of def's: they hold others, and no

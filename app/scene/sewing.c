@@ -115,8 +115,8 @@ static int inspect_scene(struct sewing *s)
     s->turn = pool_take(&s->pool, (size_t)(def->n_seams + s->holds) + 1,
                         sizeof *s->turn);
     s->next = pool_take(&s->pool, nv + 1, sizeof *s->next);
-    if (!s->x || !s->next || !s->anchor || !s->v || !s->tri || !s->group || !s->cloth ||
-        !s->obstacle || !s->turn)
+    if (!s->x || !s->next || !s->anchor || !s->v || !s->tri || !s->group ||
+        !s->cloth || !s->obstacle || !s->turn)
         return no_memory();
     int known = drape_read_triangles(s->world, s->tri);
     return known == DRAPE_OK ? mark_cloth(s) : failed("the triangles", known);

@@ -51,11 +51,11 @@ struct sewing_seam {
 /* Particles that are held once the garment is worn. */
 struct sewing_hold {
     const struct scene_attach *about;
-    int index;           /* of its seam in the world; -1: it does not hold */
-    bool told;           /* the world has these targets */
-    int body;            /* an obstacle, that most are beside; -1: none */
-    int64_t from, to;    /* steps after which it held, and no more; -1: not yet */
-    struct skin *skin;   /* [n] beside which each is held */
+    int index;         /* of its seam in the world; -1: it does not hold */
+    bool told;         /* the world has these targets */
+    int body;          /* an obstacle, that most are beside; -1: none */
+    int64_t from, to;  /* steps after which it held, and no more; -1: not yet */
+    struct skin *skin; /* [n] beside which each is held */
     int32_t (*onto)[2];  /* [n] its anchor, twice */
     double *part;        /* [n] 0 */
     double (*gap)[3];    /* [n] m, particle - anchor, after the last step */
@@ -71,8 +71,8 @@ struct sewing {
     drape_def whole;    /* the scene's, of which each stage changes a part */
     drape_world *world; /* of the present stage */
     enum sewing_stage stage;
-    struct sewing_seam *seam;     /* [whole.n_seams] */
-    struct sewing_hold *hold;     /* [holds] */
+    struct sewing_seam *seam; /* [whole.n_seams] */
+    struct sewing_hold *hold; /* [holds] */
     int holds;
     const double (*anchor_at)[3]; /* m, the particles of the anchors' cloth */
     drape_world *ahead;           /* bodies that move, a step ahead */
@@ -113,10 +113,10 @@ int sewing_move(struct sewing *sewing);
 int sewing_audit(struct sewing *sewing, int64_t *pairs, int64_t *sewn);
 /* Attachments, app/scene/hold.c. Adds the cloth of their anchors to the scene,
  * before a world is made of it; whether they begin now, in this stage; holds
- * what is to be held where it is now, in s->x; adds the seams of what is held at
- * this time to the stage's definition; whether one of them has had its time, or
- * will; moves bodies and targets to where they are at the end of the next step;
- * reads what they are like. */
+ * what is to be held where it is now, in s->x; adds the seams of what is held
+ * at this time to the stage's definition; whether one of them has had its time,
+ * or will; moves bodies and targets to where they are at the end of the next
+ * step; reads what they are like. */
 int holds_begin(struct sewing *sewing);
 bool holds_may_begin(const struct sewing *sewing, enum sewing_stage stage);
 void holds_bind(struct sewing *sewing);

@@ -323,7 +323,7 @@ def sew(
     given["attach"] = attach
     mesh = _mesh_of(pattern)
     if mesh and attach is not None:
-        raise SceneError("attach: it is for a pattern; the edges of a mesh have no label")
+        raise SceneError("attach: it is for a pattern; edges of a mesh have no label")
     text = None if mesh else _read(_wrapped(pattern, given), keys)  # type: ignore[arg-type]
     words: list[object] = ["--every", every]
     words += [] if frames is None else ["--frames", frames]

@@ -116,6 +116,32 @@ def test_bodies_in_any_form(
     assert not place.exists()  # a folder of its own goes with it
 
 
+def test_edges_are_held_by_their_labels(flaps: Path) -> None:
+    """The upper edge of one flap, in the air: softly to the end, or for a while."""
+    tree = json.loads(flaps.read_text())
+    edges = tree["pattern"]["panels"]["front"]["edges"] = [
+        dict(edge) for edge in tree["pattern"]["panels"]["front"]["edges"]
+    ]
+    edges[2]["label"] = "rim"
+    flaps.write_text(json.dumps(tree))
+    how: dict[str, Any] = {"cell": 0.02, "frames": 60, "pictures": False}
+    sewn = drape.sew(flaps, attach=[drape.Attach(label="rim")], **how)
+    (row,) = sewn.attachments
+    assert (row.name, row.body, row.hold, row.points) == ("front rim", None, "soft", 11)
+    assert row.began and row.ended is None and row.slip < 1e-4 and 0 < row.pull < 30
+    rim = {"label": "rim", "to": "world", "hold": "hard", "until": 0.5}
+    freed = drape.sew(flaps, attach=[rim], **how)
+    (row,) = freed.attachments
+    assert row.hold == "hard" and row.began and row.ended == row.began + 30
+    fallen = freed.positions[:121, 1].max()  # of front alone
+    assert fallen < sewn.positions[:121, 1].max() - 0.02
+    assert not drape.sew(flaps, **{**how, "frames": 1}).attachments
+    with pytest.raises(drape.SceneError, match=r'no edge .* "rin"; did you mean "rim"'):
+        drape.sew(flaps, attach=[drape.Attach(label="rin")], **how)
+    with pytest.raises(drape.SceneError, match="attach: it is for a pattern"):
+        drape.sew({"garments": [{"pattern": str(flaps)}]}, attach=[])
+
+
 def test_the_garment_follows_a_body_that_moves(flaps: Path, tmp_path: Path) -> None:
     """The rail rises by 2 cm in the frames of a point cache, from where the mesh is or
     after the second in which the mesh goes there; and in numbered files."""

@@ -129,6 +129,55 @@ is 'is not held of itself' held 'not rows'
 hang 'but if it is told' 0 halves.json --cell 0.02 --frames 60 --attach lower_interface
 is 'one side of the seam is' held '
 sum(r["points"] for r in rows) == 11 and ways(top(begun)[:11], top(last)[:11]) < 1e-3'
+# a skirt on a body: as wide as its waist, and wider by three tenths
+wide() {
+    python3 - "$root/app/patterns/skirt.json" "$1" >wide.json <<'EOT'
+import json
+import sys
+pattern, by = json.load(open(sys.argv[1])), float(sys.argv[2])
+for panel in pattern["pattern"]["panels"].values():
+    panel["translation"][1] += 52 * (1 - by)
+    panel["vertices"] = [[by * x, by * y] for x, y in panel["vertices"]]
+    for edge in panel["edges"]:
+        if "curvature" in edge:
+            edge["curvature"]["params"][0] *= by
+        if "label" in edge:
+            edge["label"] = "lower_interface"
+json.dump(pattern, sys.stdout)
+EOT
+}
+# low PYTHON: the condition holds of low(k), the mean height of the upper edges, m, in
+# frame k, and of worn and last, the frames in which gravity is whole and the last.
+low() {
+    python3 - "$1" <<'EOT'
+import json
+import sys
+from geometry import load
+
+sew = json.load(open("shirt/sew.json"))
+worn, last = sew["stages"]["worn"] + 30, sew["steps"]
+x, tri = load("shirt/frames/cloth_0000.ply")[:2]
+used = sorted({v for t in tri for v in t}, key=lambda v: x[v][1])[-20:]
+
+
+def low(k):
+    x = load("shirt/frames/cloth_%04d.ply" % k)[0]
+    return sum(x[v][1] for v in used) / len(used)
+
+
+assert eval("(" + sys.argv[1] + ")"), (low(0), low(worn), low(last))
+EOT
+}
+wide 1
+hang 'a skirt that fits, unheld' 0 wide.json --body walk/body.ply --cell 0.04 \
+    --frames 130 --attach none
+is 'holds by friction' low 'abs(low(last) - low(worn)) < 0.001 and low(last) > 1.05'
+wide 1.3
+hang 'one that is too wide' 0 wide.json --body walk/body.ply --cell 0.04 \
+    --frames 130 --attach none
+is 'falls off' low 'low(last) < 0.5'
+hang 'and held of itself' 0 wide.json --body walk/body.ply --cell 0.04 --frames 130
+is 'it stays' low 'abs(low(last) - low(worn)) < 1e-4 and low(last) > 1.05'
 refused 'a label that no edge has' 'halves.json has the label "lower_interfase"; did you mean "lower_interface"?' \
     sew halves.json --cell 0.02 --attach lower_interfase --out refused
 refused 'one that is like none' 'one has "lower_interface"' \
