@@ -87,6 +87,7 @@ static int make_sheet(struct sewing *s, int64_t count, drape_cloth *sheet)
 {
     int columns = (int)(count < COLUMNS ? count : COLUMNS);
     drape_default_cloth(sheet);
+    sheet->bending = DRAPE_SPRINGS; /* so that no seam to it bends */
     sheet->m = 2 * columns;
     sheet->n = 2 * (int)((count + columns - 1) / columns);
     sheet->width = side * (sheet->m - 1);
@@ -170,7 +171,9 @@ int holds_begin(struct sewing *s)
     if (count < 1)
         return APP_OK;
     s->hold = pool_take(&s->pool, (size_t)s->holds, sizeof *s->hold);
-    int status = s->hold ? add_sheet(s, count) : no_memory();
+    if (!s->hold)
+        return no_memory();
+    int status = add_sheet(s, count);
     count = 0;
     for (int k = 0; k < s->holds && status == APP_OK; k++) {
         s->hold[k].about = &scene->attach[k];

@@ -105,7 +105,7 @@ static int inspect_scene(struct sewing *s)
     s->nc = drape_first_vertex(s->world, cloths);
     size_t nv = (size_t)s->nv, nt = (size_t)s->nt;
     s->x = pool_take(&s->pool, nv + 1, sizeof *s->x);
-    s->anchor = pool_take(&s->pool, nv + 1, sizeof *s->anchor);
+    s->was = pool_take(&s->pool, nv + 1, sizeof *s->was);
     s->v = pool_take(&s->pool, nv + 1, sizeof *s->v);
     s->tri = pool_take(&s->pool, nt + 1, sizeof *s->tri);
     s->group = pool_take(&s->pool, nt + 1, sizeof *s->group);
@@ -115,7 +115,7 @@ static int inspect_scene(struct sewing *s)
     s->turn = pool_take(&s->pool, (size_t)(def->n_seams + s->holds) + 1,
                         sizeof *s->turn);
     s->next = pool_take(&s->pool, nv + 1, sizeof *s->next);
-    if (!s->x || !s->next || !s->anchor || !s->v || !s->tri || !s->group ||
+    if (!s->x || !s->next || !s->was || !s->v || !s->tri || !s->group ||
         !s->cloth || !s->obstacle || !s->turn)
         return no_memory();
     int known = drape_read_triangles(s->world, s->tri);
@@ -221,7 +221,7 @@ static int make_world(struct sewing *s, enum sewing_stage stage)
     drape_destroy(s->world);
     s->world = NULL;
     s->stage = stage;
-    s->anchored = -1;
+    s->still_since = -1;
     s->heavy = stage == SEWING_MOVING;
     define_stage(s, stage);
     status = scene_create(s->scene, s->overrides, &s->world);
@@ -377,16 +377,16 @@ static int find_rest(struct sewing *s)
         return failed("the state", status);
     for (int64_t k = 0; k < s->nc; k++) {
         for (int i = 0; i < 3; i++) {
-            double way = s->x[k][i] - s->anchor[k][i];
+            double way = s->x[k][i] - s->was[k][i];
             sum += way * way;
         }
     }
     double mean = sqrt(sum / (double)s->particles);
-    if (s->anchored < 0 || mean > rest_way) {
-        memcpy(s->anchor, s->x, (size_t)s->nc * sizeof *s->x);
-        s->anchored = s->steps;
+    if (s->still_since < 0 || mean > rest_way) {
+        memcpy(s->was, s->x, (size_t)s->nc * sizeof *s->x);
+        s->still_since = s->steps;
     }
-    s->rest = (double)(s->steps - s->anchored) * s->whole.dt > rest_time &&
+    s->rest = (double)(s->steps - s->still_since) * s->whole.dt > rest_time &&
               !holds_will_end(s);
     return APP_OK;
 }

@@ -84,8 +84,8 @@ struct sewing {
     int64_t nv, nc, nt;           /* vertices, of cloth, triangles */
     int64_t particles;            /* of cloth that have a cell */
     double (*x)[3], (*v)[3];      /* [nv] */
-    double (*anchor)[3];          /* [nv] m, where cloths were at ... */
-    int64_t anchored;             /* ... this step; -1: none */
+    double (*was)[3];             /* [nv] m, where cloths were at ... */
+    int64_t still_since;          /* ... this step; -1: none */
     bool rest;                    /* worn, and nearly nothing moves any more */
     int32_t (*tri)[3], *group;    /* [nt] for audits */
     drape_cloth *cloth;           /* of the stage */
