@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Attachments of a garment: reads which labels of its pattern hold it, and
- * finds the particles of the edges that have them. app/patterns/README.md §13
+ * finds the particles of the edges that have them. app/patterns/README.md §14
  */
 #include "app/base/app.h"
 #include "app/base/nearest.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Holds labelled borders of garments once they are worn: app/patterns/README.md
- * §13. A hold is a seam to anchors: particles of a cloth that is pinned far
+ * §14. A hold is a seam to anchors: particles of a cloth that is pinned far
  * above the bodies and that no file shows, whose target is the way from the
  * anchor to the place where the particle is to be. So what holds softly, by so
  * many newtons at most, and what holds by any force are one thing. */
