@@ -196,7 +196,7 @@ enum drape_cell {
 typedef struct drape_ease {
     int32_t end[2]; /* particles, next to each other around a cell that is not
                        regular; of two such cells, it is an edge of both, and
-                       each is convex by `rest`, which is not checked */
+                       each is convex by `rest` */
     double ratio;   /* its length at rest over that by `rest`, 0.5 … 1 */
 } drape_ease;
 

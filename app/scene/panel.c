@@ -107,10 +107,12 @@ int panel_keep(struct pool *pool, const struct garment_panel *p,
     return APP_OK;
 }
 
-/* A cell that has two particles next to each other around it; -1: none. */
-static int64_t find_cell(const struct cut *cut, const int32_t end[2])
+/* Finds the cells that have two particles next to each other around them.
+ * Returns how many there are. */
+static int find_cells(const struct cut *cut, const int32_t end[2],
+                      int64_t found[2])
 {
-    int i = end[0] % cut->m, j = end[0] / cut->m;
+    int i = end[0] % cut->m, j = end[0] / cut->m, n = 0;
     for (int k = 0; k < 4; k++) {
         int a = i - k % 2, b = j - k / 2;
         int64_t cell = a + (int64_t)(cut->m - 1) * b;
@@ -122,10 +124,10 @@ static int64_t find_cell(const struct cut *cut, const int32_t end[2])
             int32_t next = at[(c + 1) % corners];
             if ((at[c] == end[0] && next == end[1]) ||
                 (at[c] == end[1] && next == end[0]))
-                return cell;
+                found[n++] = cell;
         }
     }
-    return -1;
+    return n;
 }
 
 /* Whether a cell has no corner that points inwards, as its edges must not cross
@@ -152,11 +154,16 @@ int panel_ease(struct pool *pool, const struct cut *cut,
         memcpy(to, panel->panel.eases, (size_t)n * sizeof *to);
     for (int k = 0; k < seam->eases; k++) {
         const struct cut_ease *e = &seam->ease[k];
-        int64_t cell = find_cell(cut, e->end);
-        if (cell < 0 || !is_convex(cut, cell))
-            continue; /* without a cell the border goes round another way */
-        if (cut->cell[cell] == CUT_REGULAR)
-            panel->cell[cell] = CUT_RISING;
+        int64_t cell[2];
+        int cells = find_cells(cut, e->end, cell);
+        bool convex = cells > 0; /* else the border goes round another way */
+        for (int c = 0; c < cells; c++)
+            convex = convex && is_convex(cut, cell[c]);
+        if (!convex)
+            continue;
+        for (int c = 0; c < cells; c++)
+            if (cut->cell[cell[c]] == CUT_REGULAR)
+                panel->cell[cell[c]] = CUT_RISING;
         to[n++] = (drape_ease){{e->end[0], e->end[1]}, e->ratio};
     }
     panel->panel.eases = to;

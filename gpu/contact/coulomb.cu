@@ -69,11 +69,13 @@ static __device__ void renew_multipliers(const struct coulomb *s,
     c->lambda_t = cut_length(c->tangent, c->friction * c->impulse);
 }
 
-/* seam.md §2: pull and matrix of contact k, a point of a seam, and next[k]. */
+/* seam.md §2, §6: pull and matrix of contact k, a point or a hinge of a seam,
+ * and next[k]. */
 static __device__ void evaluate_seam(const struct coulomb *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
-    if (s->renews)
+    bool hinge = k >= s->n - s->hinges;
+    if (s->renews && !hinge)
         c->lambda_t = c->tangent;
     vec lack = scale(s->dt / s->tau, sub(c->n, pair_sum(c, s->u)));
     vec z = axpy(c->lambda_t, c->kappa, lack);
@@ -86,7 +88,7 @@ static __device__ void evaluate_seam(const struct coulomb *s, int64_t k)
     c->coupling = !(c->kappa > 0)   ? CONTACT_APART
                   : is_single(s, c) ? CONTACT_SINGLE
                                     : CONTACT_MUTUAL;
-    vec next = axpy(c->tangent, c->kappa, lack);
+    vec next = hinge ? z : axpy(c->tangent, c->kappa, lack);
     s->next[k] = c->load > 0 ? cut_length(next, c->load) : next;
 }
 
@@ -321,7 +323,7 @@ static bool is_good(const struct coulomb *s)
     return s->dt > 0 && s->tau > 0 && s->give >= 0 && s->reach >= 0 &&
            s->stiffest > 0 && s->nc <= s->nv && s->nv1 == s->nv + 1 &&
            s->n4 == 4 * s->n && s->n4 <= INT32_MAX && s->seams >= 0 &&
-           s->seams <= s->n;
+           s->seams <= s->n && s->hinges >= 0 && s->hinges <= s->seams;
 }
 
 int gpu_coulomb_queue(struct gpu *g, struct coulomb *s, int64_t *words)

@@ -29,13 +29,21 @@ void gpu_seam_gap(struct gpu *g, int64_t n, const struct seam_point *point,
     LAUNCH(g, n, seam_gap_kernel, n, point, x, gap);
 }
 
+/* How much velocity a contact gains by an impulse along it, 1/kg. */
+static __device__ real mobility_of(const struct seam *s,
+                                   const struct contact *c)
+{
+    real y = 0;
+    for (int j = 0; j < 4; j++)
+        y += c->c[j] * c->c[j] * s->w[c->v[j]];
+    return y;
+}
+
 /* §3 */
 static __device__ real kappa_of(const struct seam *s, const struct contact *c,
                                 real stiffness)
 {
-    real y = 0;
-    for (int j = 0; j < 3; j++)
-        y += c->c[j] * c->c[j] * s->w[c->v[j]];
+    real y = mobility_of(s, c);
     return y > 0 ? max_of(stiffness * s->tau * s->tau, CARRY_KAPPA / y)
                  : R(0.0);
 }
@@ -61,9 +69,40 @@ KERNEL seam_open_kernel(const struct seam &s)
     s.contact[k] = c;
 }
 
+/* §6.2. Thread k owns hinge k: writes its contact. */
+KERNEL seam_hinge_kernel(const struct seam &s)
+{
+    ITEM(k, s.n_hinges);
+    const struct seam_hinge *h = &s.hinge[k];
+    struct contact c = {};
+    c.kind = CONTACT_EE;
+    for (int j = 0; j < 4; j++) {
+        c.v[j] = h->v[j];
+        c.c[j] = h->c[j];
+    }
+    clear_contact(&c);
+    vec at = s.x0[h->v[1]];
+    vec z = scale(h->c[0], sub(s.x0[h->v[0]], at));
+    z = axpy(z, h->c[2], sub(s.x0[h->v[2]], at));
+    z = axpy(z, h->c[3], sub(s.x0[h->v[3]], at));
+    c.n = make(-z.x / s.dt, -z.y / s.dt, -z.z / s.dt);
+    const struct seam_point *p = &s.point[h->point];
+    real open = length(gap_of(p, s.x0)) / h->behind;
+    real stiffness = h->stiffness * max_of(1 - open, R(0.0));
+    if (p->strength > 0) {
+        real spare = p->strength - length(s.pull[h->point]);
+        stiffness = spare > 0 ? stiffness : R(0.0);
+        c.load = s.tau * (max_of(spare, R(0.0)) / (c.c[2] + c.c[3]));
+    }
+    c.kappa = mobility_of(&s, &c) > 0 ? stiffness * s.tau * s.tau : R(0.0);
+    s.contact[s.n + k] = c;
+}
+
 void gpu_seam_open(struct gpu *g, const struct seam *s)
 {
     LAUNCH(g, s->n, seam_open_kernel, *s);
+    if (s->n_hinges > 0)
+        LAUNCH(g, s->n_hinges, seam_hinge_kernel, *s);
 }
 
 /* Thread k owns point k: writes next[k]. */

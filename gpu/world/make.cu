@@ -23,7 +23,8 @@ static void give_seams(struct gpu_world *d)
         return;
     GPU_TAKE_COPY(d->gpu, s->point, ARENA_STATE, h->point, h->n);
     GPU_TAKE_COPY(d->gpu, s->next, ARENA_STATE, NULL, h->n);
-    GPU_TAKE_COPY(d->gpu, s->aside, ARENA_RESPONSE, NULL, h->n);
+    GPU_TAKE_COPY(d->gpu, s->hinge, ARENA_STATE, h->hinge, h->n_hinges);
+    GPU_TAKE_COPY(d->gpu, s->aside, ARENA_RESPONSE, NULL, seams_contacts(h));
     GPU_TAKE_COPY(d->gpu, s->start, ARENA_PAIRS, h->start, h->n_start);
     GPU_TAKE_COPY(d->gpu, s->sewn, ARENA_PAIRS, h->sewn, h->n_sewn);
 }

@@ -148,6 +148,14 @@ static void check_axes(struct check *c, const drape_cloth *cloth)
         fail_check(c, DRAPE_EARG, "u and v must be unit and at right angles");
 }
 
+/* The area of a triangle of a panel at rest. */
+static double rest_area(const double (*rest)[2], const int64_t tri[3])
+{
+    const double *p = rest[tri[0]], *q = rest[tri[1]], *r = rest[tri[2]];
+    return 0.5 *
+           ((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]));
+}
+
 /* Checks a cell of a panel: its kind, its corners and its triangles. */
 static void check_cell(struct check *c, const drape_cloth *cloth, int i, int j)
 {
@@ -173,11 +181,7 @@ static void check_cell(struct check *c, const drape_cloth *cloth, int i, int j)
         }
     int count = cell_triangles(kind, i + (int64_t)m * j, m, tri);
     for (int t = 0; t < count; t++) {
-        const double *p = rest[tri[t][0]], *q = rest[tri[t][1]];
-        const double *r = rest[tri[t][2]];
-        double area = 0.5 * ((q[0] - p[0]) * (r[1] - p[1]) -
-                             (q[1] - p[1]) * (r[0] - p[0]));
-        double part = area / (side[0] * side[1]);
+        double part = rest_area(rest, tri[t]) / (side[0] * side[1]);
         if (!(part >= 0.05))
             fail_check(c, DRAPE_EARG,
                        "panel: a triangle of cell (%d, %d) has %g of a cell's "
@@ -186,10 +190,26 @@ static void check_cell(struct check *c, const drape_cloth *cloth, int i, int j)
     }
 }
 
-/* Whether two particles are next to each other around a cell that is odd. */
-static bool is_odd_edge(const drape_cloth *cloth, const int32_t end[2])
+/* Whether a cell that is not regular is convex. */
+static bool is_convex(const drape_cloth *cloth, int kind, int64_t p)
 {
-    int m = cloth->m;
+    int64_t tri[2][3];
+    bool convex = true;
+    if (kind < DRAPE_CELL_WITHOUT)
+        for (int other = DRAPE_CELL_RISING; other <= DRAPE_CELL_FALLING;
+             other++) {
+            cell_triangles(other, p, cloth->m, tri);
+            for (int t = 0; t < 2; t++)
+                convex &= rest_area(cloth->panel->rest, tri[t]) > 0;
+        }
+    return convex;
+}
+
+/* How many cells have two particles next to each other: odd and convex ones;
+ * -1: one is not convex. */
+static int count_eased(const drape_cloth *cloth, const int32_t end[2])
+{
+    int m = cloth->m, found = 0;
     for (int k = 0; k < 4; k++) {
         int i = end[0] % m - k % 2, j = end[0] / m - k / 2;
         int kind = cell_kind(cloth, i, j);
@@ -197,12 +217,15 @@ static bool is_odd_edge(const drape_cloth *cloth, const int32_t end[2])
         int corners = cell_corners(kind, i + (int64_t)m * j, m, at);
         for (int c = 0; c < corners && cell_is_odd(kind); c++) {
             int64_t next = at[(c + 1) % corners];
-            if ((at[c] == end[0] && next == end[1]) ||
-                (at[c] == end[1] && next == end[0]))
-                return true;
+            if ((at[c] != end[0] || next != end[1]) &&
+                (at[c] != end[1] || next != end[0]))
+                continue;
+            if (!is_convex(cloth, kind, i + (int64_t)m * j))
+                return -1;
+            found++;
         }
     }
-    return false;
+    return found;
 }
 
 static void check_eases(struct check *c, const drape_cloth *cloth)
@@ -220,11 +243,15 @@ static void check_eases(struct check *c, const drape_cloth *cloth)
         check_integer(c, name, e->end[1], 0, n - 1);
         snprintf(name, sizeof name, "panel.eases %d ratio", k);
         check_number(c, name, e->ratio, 0.5, 1);
-        if (c->status == DRAPE_OK && !is_odd_edge(cloth, e->end))
+        if (c->status != DRAPE_OK)
+            return;
+        int cells = count_eased(cloth, e->end);
+        if (cells <= 0)
             fail_check(c, DRAPE_EARG,
-                       "panel.eases %d: particles %d and %d are no edge of a "
-                       "cell that is not regular",
-                       k, (int)e->end[0], (int)e->end[1]);
+                       "panel.eases %d: particles %d and %d are %s", k,
+                       (int)e->end[0], (int)e->end[1],
+                       cells ? "an edge of a cell that is not convex"
+                             : "no edge of a cell that is not regular");
     }
 }
 

@@ -10,7 +10,8 @@ static int check_input(const struct coulomb *s)
     if (!(s->dt > 0 && s->tau > 0 && s->give >= 0 && s->reach >= 0 &&
           s->stiffest > 0) ||
         s->nc > s->nv || s->nv1 != s->nv + 1 || s->n4 != 4 * s->n ||
-        s->n4 > INT32_MAX || s->seams < 0 || s->seams > s->n)
+        s->n4 > INT32_MAX || s->seams < 0 || s->seams > s->n || s->hinges < 0 ||
+        s->hinges > s->seams)
         return DRAPE_EARG;
     for (int64_t k = 0; k < s->n; k++)
         if (!pair_valid(s->contact[k].v, s->nv))
@@ -64,11 +65,13 @@ static void renew_multipliers(const struct coulomb *s, struct contact *c)
     c->lambda_t = cut_length(c->tangent, c->friction * c->impulse);
 }
 
-/* seam.md §2: pull and matrix of contact k, a point of a seam. */
+/* seam.md §2, §6: pull and matrix of contact k, a point or a hinge of a seam.
+ */
 static void evaluate_seam(const struct coulomb *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
-    if (s->renews)
+    bool hinge = k >= s->n - s->hinges;
+    if (s->renews && !hinge)
         c->lambda_t = c->tangent;
     vec lack =
         vec_scale(s->dt / s->tau, vec_sub(c->n, pair_sum(c->v, c->c, s->u)));
@@ -82,7 +85,7 @@ static void evaluate_seam(const struct coulomb *s, int64_t k)
     c->coupling = !(c->kappa > 0)   ? CONTACT_APART
                   : is_single(s, c) ? CONTACT_SINGLE
                                     : CONTACT_MUTUAL;
-    vec next = vec_axpy(c->tangent, c->kappa, lack);
+    vec next = hinge ? z : vec_axpy(c->tangent, c->kappa, lack);
     s->next[k] = c->load > 0 ? cut_length(next, c->load) : next;
 }
 

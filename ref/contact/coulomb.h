@@ -27,8 +27,10 @@ struct coulomb {
     int64_t seams; /* 0 … n: the last `seams` contacts are points of seams, of
                       which n is the target, m/s, tangent the pull, N·s, and
                       load its bound, 0: none; seam.md §2 */
-    int closes;    /* 1: N becomes the normal impulse of this call */
-    int lists;     /* 1: the contacts are others than in the call before */
+    int64_t hinges; /* 0 … seams: the last of these have no multiplier;
+                       seam.md §6 */
+    int closes;     /* 1: N becomes the normal impulse of this call */
+    int lists;      /* 1: the contacts are others than in the call before */
     struct contact *contact; /* [n] inout; carry.md has set them up */
 
     int64_t nv1, n4; /* nv + 1, 4 n */

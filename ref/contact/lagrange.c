@@ -119,7 +119,8 @@ static void evaluate_contacts(struct loop *s, bool lists, bool renews)
 {
     struct world *w = s->w;
     struct coulomb *law = &s->a->law;
-    law->seams = w->seams.n;
+    law->seams = seams_contacts(&w->seams);
+    law->hinges = w->seams.n_hinges;
     law->n = w->response.active + law->seams;
     law->n4 = 4 * law->n;
     law->contact = contacts_of(s);
@@ -356,7 +357,7 @@ static void carry_multipliers(struct loop *s)
 {
     struct world *w = s->w;
     struct carry c = carry_of(s);
-    note_status(s, w->run->unknowns_room(w, c.n + w->seams.n));
+    note_status(s, w->run->unknowns_room(w, c.n + seams_contacts(&w->seams)));
     if (s->status == DRAPE_OK)
         note_status(s, w->run->carry(w->on, &c));
     if (s->status != DRAPE_OK)
@@ -365,12 +366,15 @@ static void carry_multipliers(struct loop *s)
                   (size_t)c.n * sizeof *c.contact);
 }
 
-/* seam.md §2: the points of all seams, as contacts behind the active set. */
+/* seam.md §2, §6: the points and hinges of all seams, as contacts behind the
+ * active set. */
 static struct seam seams_of(const struct loop *s)
 {
     const struct world *w = s->w;
     return (struct seam){.n = w->seams.n,
+                         .n_hinges = w->seams.n_hinges,
                          .point = w->seams.point,
+                         .hinge = w->seams.hinge,
                          .x0 = w->x0,
                          .w = w->w,
                          .target = w->seams.next,
@@ -391,8 +395,9 @@ static void open_seams(struct loop *s)
                         .to = w->seams.to,
                         .part = slice_part(w),
                         .x = w->seams.next};
-    if (c->active == 0 && pool->cap < w->seams.n)
-        note_status(s, w->run->grow(w->on, pool, ARENA_RESPONSE, w->seams.n,
+    int64_t n = seams_contacts(&w->seams);
+    if (c->active == 0 && pool->cap < n)
+        note_status(s, w->run->grow(w->on, pool, ARENA_RESPONSE, n,
                                     sizeof(struct contact), true));
     if (w->seams.n == 0 || s->status != DRAPE_OK)
         return;
@@ -400,10 +405,10 @@ static void open_seams(struct loop *s)
     struct seam points = seams_of(s);
     w->run->seam_open(w->on, &points);
     w->run->trace(w->on, w->tracing, "seams", points.contact,
-                  (size_t)points.n * sizeof *points.contact);
+                  (size_t)n * sizeof *points.contact);
 }
 
-/* Copies the points from behind the active set to where they outlast a change
+/* Copies the seams from behind the active set to where they outlast a change
  * of it, or back. */
 static void set_aside_seams(struct loop *s, bool back)
 {
@@ -412,7 +417,7 @@ static void set_aside_seams(struct loop *s, bool back)
     struct contact *here = w->seams.aside;
     if (w->seams.n > 0 && s->status == DRAPE_OK)
         w->run->copy(w->on, back ? there : here, back ? here : there,
-                     (size_t)w->seams.n * sizeof *here);
+                     (size_t)seams_contacts(&w->seams) * sizeof *here);
 }
 
 /* §2: within which distance on the way pairs are looked for: 0 if no vertex

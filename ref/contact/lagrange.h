@@ -21,6 +21,15 @@ struct seam_point {
     real strength;  /* N, the greatest pull; 0: none is too great */
 };
 
+/* seam.md §6: bends across a seam: Σ c x over its vertices. */
+struct seam_hinge {
+    int32_t v[4], point; /* its vertices, and the point of the seam */
+    real c[4];           /* weights, which add to 0; c[1] = -1 */
+    real shape;          /* 1/m², stiffness for a moment of 1 N·m */
+    real stiffness;      /* N/m */
+    real behind;         /* m, from the seam to the rows behind it */
+};
+
 /* The seams of a world. first and cloth lie on the host, all other
  * arrays in the memory of the backend. */
 struct seams {
@@ -29,10 +38,12 @@ struct seams {
     int64_t *first;                 /* [count + 1] first point of each */
     int (*cloth)[2];                /* [count] */
     const struct seam_point *point; /* [n] */
+    int64_t n_hinges;
+    const struct seam_hinge *hinge; /* [n_hinges], by point */
     vec *from, *to; /* [n] m, targets at the start and the end of a step */
     vec *pull;      /* [n] N, on the particle, at the start of the slice */
     vec *next;      /* [n] N, at its end; scratch before that */
-    struct contact *aside; /* [n] scratch: items, while contacts change */
+    struct contact *aside; /* [n + n_hinges] scratch, while contacts change */
 
     /* seam.md §5: the particles that are sewn to vertex i are those at start[i]
      * … start[i + 1] - 1 of `sewn`, ascending. */
@@ -44,16 +55,23 @@ struct seams {
 /* The points at the start of a slice, which become contacts of coulomb.md; and
  * what the loop found. */
 struct seam {
-    int64_t n;
+    int64_t n, n_hinges;
     const struct seam_point *point; /* [n] */
+    const struct seam_hinge *hinge; /* [n_hinges] */
     const vec *x0;                  /* [nv] m */
     const real *w;                  /* [nv] 1/kg */
     const vec *target;       /* [n] m, the gap asked for at the slice's end */
     const vec *pull;         /* [n] N */
     real dt, tau;            /* s */
-    struct contact *contact; /* [n] out of seam_open */
+    struct contact *contact; /* [n + n_hinges] out of seam_open */
     vec *next;               /* [n] N, out of seam_close */
 };
+
+/* The contacts that the seams of a world are in the loop. */
+static inline int64_t seams_contacts(const struct seams *s)
+{
+    return s->n + s->n_hinges;
+}
 
 struct lagrange {
     struct coulomb law;  /* its streams; contacts are the response's */

@@ -14,6 +14,7 @@ struct making {
     struct cloth *cloth;
     struct arena *arena;
     struct panel *to;
+    const uint8_t *hinged; /* as in struct star_grid */
     double *area;   /* [count] m², of particles that have odd cells, else 0 */
     double *ease;   /* [SPRINGS·count] what the edge in direction o of p is
                        eased by, 0: it is not; NULL: none is */
@@ -256,7 +257,7 @@ static int make_cells(struct making *a)
         return DRAPE_ENOMEM;
     each_odd_cell(a, make_cell);
     weigh_particles(a);
-    struct star_grid grid = {a->def, a->cloth, a->area, a->arena};
+    struct star_grid grid = {a->def, a->cloth, a->area, a->hinged, a->arena};
     return make_stars(&grid, to);
 }
 
@@ -295,9 +296,10 @@ static void take_eases(struct making *a)
     }
 }
 
-int panel_make(const drape_cloth *d, struct cloth *c, struct arena *arena)
+int panel_make(const drape_cloth *d, struct cloth *c, const uint8_t *hinged,
+               struct arena *arena)
 {
-    struct making a = {.def = d, .cloth = c, .arena = arena};
+    struct making a = {.def = d, .cloth = c, .hinged = hinged, .arena = arena};
     int64_t slots = SPRINGS * c->count;
     a.to = take_stream(&a, 1, sizeof *a.to);
     c->pairs = take_stream(&a, c->count, 1);

@@ -7,7 +7,9 @@
 #include "ref/panel/lists.h"
 
 /* Makes the panel of a cloth that ref_cloth_fill has filled, and corrects its
- * streams: beside, pairs, mass. DRAPE_OK or DRAPE_ENOMEM. */
-int panel_make(const drape_cloth *def, struct cloth *c, struct arena *arena);
+ * streams: beside, pairs, mass. hinged: as in struct star_grid. DRAPE_OK or
+ * DRAPE_ENOMEM. */
+int panel_make(const drape_cloth *def, struct cloth *c, const uint8_t *hinged,
+               struct arena *arena);
 
 #endif

@@ -224,7 +224,7 @@ static void share_areas(const struct star_grid *s, uint8_t *made, double *k)
             }
     for (int64_t p = 0; p < count; p++)
         for (int o = 0; o < SPRINGS_SINGLE && s->area[p] > 0; o++) {
-            if (made[p] >> o & 1)
+            if (made[p] >> o & 1 || (s->hinged && s->hinged[p]))
                 continue;
             int n = find_nearest(s, made, o, p, near);
             for (int q = 0; q < n; q++)

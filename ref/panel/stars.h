@@ -13,6 +13,8 @@ struct star_grid {
     const struct cloth *cloth;
     const double *area; /* [count] m², of a particle that has odd cells; 0 of
                            all others */
+    const uint8_t *hinged; /* [count] 1: what the particle lacks a hinge has,
+                              seam.md §6.3; NULL: none has */
     struct arena *arena;
 };
 

@@ -22,14 +22,46 @@ void ref_seam_gap(struct gpu *on, int64_t n, const struct seam_point *point,
         gap[k] = gap_of(&point[k], x);
 }
 
+/* How much velocity a contact gains by an impulse along it, 1/kg. */
+static real mobility_of(const struct seam *s, const struct contact *c)
+{
+    real y = 0;
+    for (int j = 0; j < 4; j++)
+        y += c->c[j] * c->c[j] * s->w[c->v[j]];
+    return y;
+}
+
 /* §3 */
 static real kappa_of(const struct seam *s, const struct contact *c,
                      real stiffness)
 {
-    real y = 0;
-    for (int j = 0; j < 3; j++)
-        y += c->c[j] * c->c[j] * s->w[c->v[j]];
+    real y = mobility_of(s, c);
     return y > 0 ? real_max(stiffness * s->tau * s->tau, CARRY_KAPPA / y) : 0;
+}
+
+/* §6.2: the contact of hinge k. */
+static struct contact contact_of(const struct seam *s, int64_t k)
+{
+    const struct seam_hinge *h = &s->hinge[k];
+    struct contact c = {.kind = CONTACT_EE};
+    memcpy(c.v, h->v, sizeof c.v);
+    memcpy(c.c, h->c, sizeof c.c);
+    contact_clear(&c);
+    vec at = s->x0[h->v[1]];
+    vec z = vec_scale(h->c[0], vec_sub(s->x0[h->v[0]], at));
+    z = vec_axpy(z, h->c[2], vec_sub(s->x0[h->v[2]], at));
+    z = vec_axpy(z, h->c[3], vec_sub(s->x0[h->v[3]], at));
+    c.n = vec_make(-z.x / s->dt, -z.y / s->dt, -z.z / s->dt);
+    const struct seam_point *p = &s->point[h->point];
+    real open = vec_length(gap_of(p, s->x0)) / h->behind;
+    real stiffness = h->stiffness * real_max(1 - open, 0);
+    if (p->strength > 0) {
+        real spare = p->strength - vec_length(s->pull[h->point]);
+        stiffness = spare > 0 ? stiffness : 0;
+        c.load = s->tau * (real_max(spare, 0) / (c.c[2] + c.c[3]));
+    }
+    c.kappa = mobility_of(s, &c) > 0 ? stiffness * s->tau * s->tau : 0;
+    return c;
 }
 
 void ref_seam_open(struct gpu *on, const struct seam *s)
@@ -49,6 +81,9 @@ void ref_seam_open(struct gpu *on, const struct seam *s)
         c.load = s->tau * p->strength;
         s->contact[k] = c;
     }
+    EACH_ITEM
+    for (int64_t k = 0; k < s->n_hinges; k++)
+        s->contact[s->n + k] = contact_of(s, k);
 }
 
 void ref_seam_close(struct gpu *on, const struct seam *s)

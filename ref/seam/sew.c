@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Makes the seams of a world: their points, and which vertices they bring so
  * close together that contact passes over them. spec/seam/seam.md */
+#include "ref/seam/hinge.h"
 #include "ref/seam/seam.h"
 
 #include <stdarg.h>
@@ -89,9 +90,48 @@ static int fill_seam(struct world *w, const drape_seam *def, int k,
     return DRAPE_OK;
 }
 
+/* §6: the hinges of seam k, from its definition. */
+static void fill_hinges(struct world *w, const drape_def *def, int k)
+{
+    struct seams *s = &w->seams;
+    const drape_seam *seam = &def->seams[k];
+    struct hinge found;
+    for (int64_t i = 0; i < seam->n; i++) {
+        if (!hinge_find(def, seam, i, &found))
+            continue;
+        struct seam_hinge *to = (struct seam_hinge *)s->hinge + s->n_hinges++;
+        to->point = (int32_t)(s->first[k] + i);
+        to->behind = (real)found.behind;
+        to->shape = (real)found.shape;
+        for (int j = 0; j < 4; j++) {
+            const struct sheet *of = &w->sheet[seam->cloth[j > 1]];
+            to->v[j] = (int32_t)(of->first + found.at[j]);
+            to->c[j] = (real)found.c[j];
+        }
+    }
+}
+
+/* §6: the stiffnesses of the hinges. */
+static void stiffen_hinges(struct world *w)
+{
+    const struct seams *s = &w->seams;
+    struct seam_hinge *h = (struct seam_hinge *)w->home->seams.hinge;
+    for (int64_t i = 0, k = 0; i < s->n_hinges; i++) {
+        while (h[i].point >= s->first[k + 1])
+            k++;
+        double bend = hinge_bend(&w->sheet[s->cloth[k][0]].made.material,
+                                 &w->sheet[s->cloth[k][1]].made.material);
+        h[i].stiffness = (real)(bend * (double)h[i].shape);
+    }
+    if (w != w->home && s->n_hinges > 0)
+        w->run->send(w->on, (void *)s->hinge, h,
+                     (size_t)s->n_hinges * sizeof *h);
+}
+
 void sew_stiffen(struct world *w)
 {
     struct world *h = w->home;
+    stiffen_hinges(w);
     for (int k = 0; k < w->seams.count; k++) {
         double least = 0;
         for (int j = 0; j < 2; j++) {
@@ -338,12 +378,15 @@ int sew_fill(struct world *w, const drape_def *def, drape_error *error)
     s->cloth = take_array(w, s->count, sizeof *s->cloth);
     s->point = take_array(w, s->n, sizeof *s->point);
     s->next = arena_take(w->arena, ARENA_STATE, s->n, sizeof *s->next);
-    s->aside = arena_take(w->arena, ARENA_RESPONSE, s->n, sizeof *s->aside);
+    s->hinge = take_array(w, s->n, sizeof *s->hinge);
+    s->aside = arena_take(w->arena, ARENA_RESPONSE, 2 * s->n, sizeof *s->aside);
     int status = w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
     for (int k = 0; k < s->count && status == DRAPE_OK; k++) {
         s->first[k + 1] = s->first[k] + def->seams[k].n;
         memcpy(s->cloth[k], def->seams[k].cloth, sizeof s->cloth[k]);
         status = fill_seam(w, &def->seams[k], k, seen, error);
+        if (status == DRAPE_OK)
+            fill_hinges(w, def, k);
     }
     arena_give(w->arena, seen);
     if (status != DRAPE_OK)

@@ -116,7 +116,7 @@ static int start_contacts(struct world *w)
     c->stop_before_zones = slice_can_retry(w);
     c->max_rounds = slice_rounds(w);
     c->solves = w->plan.solves;
-    c->seams = w->seams.n;
+    c->seams = seams_contacts(&w->seams);
     c->range = w->plan.solves ? RANGE : 1;
     return response_start(c);
 }

@@ -8,6 +8,7 @@
 
 #include "ref/cloth/table.h"
 #include "ref/panel/panel.h"
+#include "ref/seam/hinge.h"
 #include "ref/seam/seam.h"
 #include "ref/world/prescribe.h"
 
@@ -142,9 +143,25 @@ static int say_pin(const drape_cloth *def, const struct cloth *c, int k,
         k, p, def->pins[p].i, def->pins[p].j);
 }
 
-static int fill_cloth(struct world *w, const drape_cloth *def, int k,
+/* Makes the panel of cloth k, if it is one. DRAPE_OK or DRAPE_ENOMEM. */
+static int fill_panel(struct world *w, const drape_def *def, int k)
+{
+    struct cloth *c = &w->sheet[k].cloth;
+    if (!def->cloths[k].panel)
+        return DRAPE_OK;
+    uint8_t *hinged = take_stream(w, ARENA_OTHER, c->count, 1);
+    if (!hinged)
+        return DRAPE_ENOMEM;
+    hinge_mark(def, k, hinged);
+    int status = panel_make(&def->cloths[k], c, hinged, w->arena);
+    arena_give(w->arena, hinged);
+    return status;
+}
+
+static int fill_cloth(struct world *w, const drape_def *all, int k,
                       drape_error *error)
 {
+    const drape_cloth *def = &all->cloths[k];
     struct sheet *s = &w->sheet[k];
     struct cloth *c = &s->cloth;
     c->cell = take_stream(w, ARENA_CLOTH, c->count, 1);
@@ -157,7 +174,7 @@ static int fill_cloth(struct world *w, const drape_cloth *def, int k,
         return DRAPE_ENOMEM;
     if (ref_cloth_fill(def, c, s->first) != DRAPE_OK)
         return say_pin(def, c, k, error);
-    if (def->panel && panel_make(def, c, w->arena) != DRAPE_OK)
+    if (fill_panel(w, all, k) != DRAPE_OK)
         return DRAPE_ENOMEM;
     if (ref_cloth_start(def, w->x0 + s->first, w->v0 + s->first) != DRAPE_OK)
         return write_error(error, DRAPE_EDATA,
@@ -303,7 +320,7 @@ int fill_streams(struct world *w, const drape_def *def, drape_error *error)
 {
     int status = take_streams(w);
     for (int k = 0; k < def->n_cloths && status == DRAPE_OK; k++) {
-        status = fill_cloth(w, &def->cloths[k], k, error);
+        status = fill_cloth(w, def, k, error);
         if (status == DRAPE_OK)
             status = fill_pins(w, &def->cloths[k], k);
     }

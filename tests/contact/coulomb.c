@@ -91,8 +91,20 @@ static void make_lists(struct bytes *b, struct coulomb *s)
         ref_incidence(&by);
 }
 
+/* seam.md §6: contact c, a point of a seam, becomes a hinge. */
+static void pick_hinge(struct bytes *b, struct contact *c)
+{
+    real part = pick_uniform(b, 0, 1);
+    c->kind = CONTACT_EE;
+    c->c[0] = part;
+    c->c[1] = -1;
+    c->c[2] = pick(b, 4) ? R(0.5) * (1 - part) : 0;
+    c->c[3] = 1 - part - c->c[2];
+    c->lambda_t = vec_make(0, 0, 0);
+}
+
 /* seam.md §2: the last contacts become points of seams, as stage coulomb may
- * have left them. */
+ * have left them, and the last of these hinges. */
 static void pick_seams(struct bytes *b, struct coulomb *s)
 {
     s->seams =
@@ -115,6 +127,9 @@ static void pick_seams(struct bytes *b, struct coulomb *s)
         c->kappa = kappa;
         c->coupling = coupling;
     }
+    s->hinges = pick(b, 2) ? 0 : pick(b, (uint32_t)s->seams + 1);
+    for (int64_t k = s->n - s->hinges; k < s->n; k++)
+        pick_hinge(b, &s->contact[k]);
 }
 
 void gen_coulomb(struct bytes *b, struct coulomb *s)
@@ -525,7 +540,9 @@ static const char *check_renewed(const struct coulomb *s, int32_t *grown)
         const struct contact *was = &s->contact[k], *is = &again.contact[k];
         if (k < s->n - s->seams)
             failed = check_renewal(s, was, is);
-        else if (memcmp(&is->lambda_t, &was->tangent, sizeof was->tangent))
+        else if (memcmp(&is->lambda_t,
+                        k < s->n - s->hinges ? &was->tangent : &was->lambda_t,
+                        sizeof was->tangent))
             failed = "coulomb: a renewed multiplier is not the pull";
         else if (was->load > 0 &&
                  length(wide_of(was->tangent)) > (1 + 1e-6) * (double)was->load)
@@ -570,6 +587,9 @@ static const char *check_refusals(const struct coulomb *s)
     EXPECT(ref_coulomb(&wrong) == DRAPE_EARG);
     wrong = *s;
     wrong.seams = s->n + 1;
+    EXPECT(ref_coulomb(&wrong) == DRAPE_EARG);
+    wrong = *s;
+    wrong.hinges = s->seams + 1;
     EXPECT(ref_coulomb(&wrong) == DRAPE_EARG);
     return NULL;
 }

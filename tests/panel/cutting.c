@@ -105,7 +105,7 @@ int model_make(struct model *s, const struct cutting *c)
         return DRAPE_ENOMEM;
     status = ref_cloth_fill(&c->cloth, &s->c, 0);
     if (status == DRAPE_OK)
-        status = panel_make(&c->cloth, &s->c, &s->arena);
+        status = panel_make(&c->cloth, &s->c, c->hinged, &s->arena);
     if (status == DRAPE_OK)
         status = ref_cloth_start(&c->cloth, s->x, s->v);
     return status;

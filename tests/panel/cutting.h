@@ -17,6 +17,7 @@ struct cutting {
     drape_panel panel;
     double (*rest)[2];
     drape_cloth cloth;
+    const uint8_t *hinged; /* as panel_make takes it; NULL */
 };
 
 /* Cuts a strip that is turned by `turn` radians against the grid, or a disc.

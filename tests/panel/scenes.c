@@ -414,6 +414,20 @@ static const char *eased_step(struct eased *e)
     return NULL;
 }
 
+/* Whether a corner that is drawn into its cell is refused with the edge. */
+static bool eased_refuses(struct eased *e)
+{
+    drape_world *world = NULL;
+    drape_error error = {0};
+    double was[2] = {e->rest[EASED + 1][0], e->rest[EASED + 1][1]};
+    e->rest[EASED + 1][0] = e->rest[EASED + 1][1] = 0.45 * e->h;
+    int status = drape_create(&e->s.def, &world, &error);
+    drape_destroy(world);
+    memcpy(e->rest[EASED + 1], was, sizeof was);
+    return status == DRAPE_EARG && strstr(error.text, "eases 0") &&
+           strstr(error.text, "not convex");
+}
+
 /* The ring is at rest, where the cells as they were cut are not. By a uniform
  * strain it takes the energy of the grid times the area that it has left
  * (panel.md §2), at cells of any size: in 32 bits places of 0.2 m are off by
@@ -431,6 +445,7 @@ const char *test_panel_eased(void)
         eased_make(&e);
         failed = eased_step(&e);
         EXPECT(!failed && e.moved < (REAL_BITS == 64 ? 1e-12 : 1e-7));
+        EXPECT(eased_refuses(&e));
         elastic[0] = e.elastic;
         e.panel.n_eases = 0;
         failed = eased_step(&e);
