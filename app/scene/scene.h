@@ -43,6 +43,7 @@ struct scene {
     struct scene_seam *seam;      /* [def.n_seams] */
     int garments, *garment_cloth; /* [garments + 1] where each one's cloths
                                      begin */
+    bool *garment_sewn;           /* [garments] it begins where a mesh has it */
     bool unsewn; /* some seams are as far apart as their pattern places them */
     double particles;          /* sum over all cloths */
     int64_t degenerate;        /* obstacle triangles without area */

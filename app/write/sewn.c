@@ -87,6 +87,26 @@ static void put_frame(FILE *out, const struct sewing *s,
             row->open, row->waiting, row->pairs, row->sewn);
 }
 
+/* The panels that began in a body, and those that they pushed. */
+static void put_moves(FILE *out, const struct sewing *s)
+{
+    const char *comma = "";
+    fputs("  \"moved\": [", out);
+    for (int k = 0; s->by && k < s->whole.n_cloths; k++) {
+        const double *way = s->way[k];
+        if (s->by[k] < 0)
+            continue;
+        fprintf(out, "%s\n    {\"panel\": ", comma);
+        text_put(out, s->scene->cloth_name[k]);
+        fputs(", \"by\": ", out);
+        text_put(out, s->scene->cloth_name[s->by[k]]);
+        fprintf(out, ", \"way_m\": [%.6g, %.6g, %.6g]}", way[0], way[1],
+                way[2]);
+        comma = ",";
+    }
+    fputs("],\n", out);
+}
+
 bool sewn_write(const struct sewn *sewn, const struct sewing *sewing,
                 const char *directory)
 {
@@ -103,7 +123,9 @@ bool sewn_write(const struct sewn *sewn, const struct sewing *sewing,
                     sewing->begun[k]);
             comma = ", ";
         }
-    fputs("},\n  \"seams\": [\n", out);
+    fputs("},\n", out);
+    put_moves(out, sewing);
+    fputs("  \"seams\": [\n", out);
     for (int k = 0; k < sewing->whole.n_seams; k++) {
         put_seam(out, sewing, k);
         fputs(k + 1 < sewing->whole.n_seams ? ",\n" : "\n", out);
