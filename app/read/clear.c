@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Panels that begin within a body are moved out of it:
  * app/patterns/README.md §10. */
-#include "app/read/clear.h"
 #include "app/base/app.h"
 #include "app/read/crossings.h"
+#include "app/read/untangle.h"
 
 #include <math.h>
 #include <stdlib.h>

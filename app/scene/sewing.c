@@ -3,7 +3,7 @@
  */
 #include "app/scene/sewing.h"
 #include "app/base/app.h"
-#include "app/read/clear.h"
+#include "app/read/untangle.h"
 #include "app/read/crossings.h"
 
 #include <math.h>
