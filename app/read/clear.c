@@ -2,6 +2,7 @@
 /* Panels that begin within a body are moved out of it:
  * app/patterns/README.md §10. */
 #include "app/base/app.h"
+#include "app/read/apart.h"
 #include "app/read/crossings.h"
 #include "app/read/untangle.h"
 
@@ -32,6 +33,8 @@ struct search {
     struct clearing *c;
     int32_t *part;       /* [nt] */
     bool *in;            /* [parts] it is moved now */
+    bool *closed;        /* [parts] its mesh is */
+    bool *left;          /* [parts] a closed body that the panel is to leave */
     double (*was)[3];    /* [nv] before */
     double (*best)[3];   /* [parts] ways of the best try */
     double (*shift)[3];  /* [parts] of this one */
@@ -221,6 +224,50 @@ static int meet(struct search *s, int *other, int64_t *standing)
     return status;
 }
 
+/* Whether a point is inside of a body: by the solid angle of its triangles, in
+ * which those that face away count against the others (van Oosterom and
+ * Strackee 1983). */
+static bool is_inside(const struct search *s, int body, const double at[3])
+{
+    const struct clearing *c = s->c;
+    double sum = 0;
+    for (int64_t k = 0; k < c->nt; k++) {
+        double to[3][3], far[3], n[3];
+        if (s->part[k] != body)
+            continue;
+        for (int i = 0; i < 9; i++)
+            to[i / 3][i % 3] = c->x[c->tri[k][i / 3]][i % 3] - at[i % 3];
+        for (int i = 0; i < 3; i++) {
+            far[i] = sqrt(dot(to[i], to[i]));
+            n[i] = to[1][(i + 1) % 3] * to[2][(i + 2) % 3] -
+                   to[1][(i + 2) % 3] * to[2][(i + 1) % 3];
+        }
+        sum += 2 * atan2(dot(to[0], n), far[0] * far[1] * far[2] +
+                                            dot(to[0], to[1]) * far[2] +
+                                            dot(to[1], to[2]) * far[0] +
+                                            dot(to[2], to[0]) * far[1]);
+    }
+    return fabs(sum) > 2 * acos(-1);
+}
+
+/* Whether what is moved, and intersects nothing, is inside of a body that the
+ * panel is to leave: then so is any of its points. */
+static bool is_within(const struct search *s)
+{
+    const struct clearing *c = s->c;
+    bool within = false;
+    int seen = -1;
+    for (int64_t k = 0; k < c->nt && !within; k++) {
+        int p = s->part[k];
+        if (p == seen || !s->in[p])
+            continue;
+        seen = p;
+        for (int body = 0; body < c->parts; body++)
+            within |= s->left[body] && is_inside(s, body, c->x[c->tri[k][0]]);
+    }
+    return within;
+}
+
 /* Tries a direction for panel p, no farther than `most`. *way: how far it goes;
  * INFINITY: it does not. */
 static int try_way(struct search *s, int p, const double to[3], double most,
@@ -245,7 +292,7 @@ static int try_way(struct search *s, int p, const double to[3], double most,
             free = 0;
             continue;
         }
-        free = standing ? 0 : free + 1;
+        free = standing || is_within(s) ? 0 : free + 1;
         if (free == FREE) {
             move(s, to, -step);
             *way = (k - 1) * step;
@@ -315,6 +362,7 @@ static int find_panel(struct search *s, int *panel, struct clear_place *place)
     *panel = -1;
     *place = (struct clear_place){0};
     memcpy(s->in, c->moves, (size_t)c->parts * sizeof *s->in);
+    memset(s->left, 0, (size_t)c->parts * sizeof *s->left);
     int status = find_pairs(s, &pairs);
     for (int64_t k = 0; status == APP_OK && k < pairs.found; k++) {
         int part = s->part[pairs.pair[k][0]];
@@ -325,6 +373,7 @@ static int find_panel(struct search *s, int *panel, struct clear_place *place)
         if (s->part[pair[0]] != *panel)
             continue;
         int body = s->part[pair[1]];
+        s->left[body] = s->closed[body];
         place->body =
             !place->pairs++ || body < place->body ? body : place->body;
         for (int i = 0; i < 3; i++)
@@ -346,6 +395,8 @@ int clear_panels(struct clearing *clearing)
     struct search s = {.c = c,
                        .part = pool_take(c->pool, nt, sizeof *s.part),
                        .in = pool_take(c->pool, parts, sizeof *s.in),
+                       .closed = pool_take(c->pool, parts, sizeof *s.closed),
+                       .left = pool_take(c->pool, parts, sizeof *s.left),
                        .was = pool_take(c->pool, nv, sizeof *s.was),
                        .best = pool_take(c->pool, parts, sizeof *s.best),
                        .shift = pool_take(c->pool, parts, sizeof *s.shift),
@@ -355,14 +406,24 @@ int clear_panels(struct clearing *clearing)
                        .from = pool_take(c->pool, nt, sizeof *s.from)};
     c->way = pool_take(c->pool, parts, sizeof *c->way);
     c->by = pool_take(c->pool, parts, sizeof *c->by);
-    if (!s.part || !s.in || !s.was || !s.best || !s.shift || !s.sheet ||
-        !s.tri || !s.group || !s.from || !c->way || !c->by)
+    if (!s.part || !s.in || !s.closed || !s.left || !s.was || !s.best ||
+        !s.shift || !s.sheet || !s.tri || !s.group || !s.from || !c->way ||
+        !c->by)
         return no_memory();
     for (int64_t k = 0; k < c->nt; k++)
         while (c->tri[k][0] >= c->first[s.part[k] + 1])
             s.part[k]++;
-    for (int p = 0; p < c->parts; p++)
+    int64_t from = 0, to = 0;
+    for (int p = 0; p < c->parts; p++, from = to) {
         c->by[p] = -1;
+        while (to < c->nt && s.part[to] == p)
+            to++;
+        struct mesh mesh = {0, to - from, c->x, (int32_t(*)[3])c->tri + from};
+        int closed = !c->moves[p] && to > from ? apart_closed(&mesh) : 0;
+        if (closed < 0)
+            return no_memory();
+        s.closed[p] = closed;
+    }
     int status = APP_OK;
     /* one that was moved may be pushed into a body by another */
     for (int round = 0; round <= 2 * c->parts && status == APP_OK; round++) {

@@ -139,8 +139,9 @@ int marks_draw(const struct untangling *u, const double (*x)[3],
     struct model model = {0};
     struct shot shot = {.width = 800, .height = 800, .samples = 8};
     uint8_t *rgb = malloc((size_t)shot.width * (size_t)shot.height * 3);
-    int status = rgb && fill(&pool, u, x, &model) ? APP_OK : no_memory();
-    for (int back = 0; back < 2 && status == APP_OK; back++) {
+    bool good = rgb && fill(&pool, u, x, &model);
+    int status = good ? APP_OK : no_memory();
+    for (int back = 0; good && back < 2 && status == APP_OK; back++) {
         aim(u, &model, back, &shot.camera);
         status = picture_take(&model, &shot, rgb);
         if (status != APP_OK)

@@ -59,6 +59,10 @@ body["at"] = [0, 0, 0]
 panels["front"]["translation"] = [0, 0, 0]; panels["back"]["translation"] = [30, 30, 30]'
 is 'along its normal, wherever that is' moved '
 list(way) == ["front"] and abs(sum(x * x for x in way["front"]) ** 0.5 - 10.5) < 1e-3'
+panels 'at("front", 14); at("back", -8); sew("front", 1, "back", 1)
+panels["patch"] = {"vertices": [[9, 14], [11, 14], [11, 16], [9, 16]], "edges": edges,
+                   "translation": [0, 0, -9.96]}; body["detail"] = 60'
+is 'and not into the body, if that is nearer' moved 'way["patch"][2] < 0'
 panels 'at("sleeve", 0, 40); sew("sleeve", 1, "sleeve", 3)
 body.update(shape="capsule", radius=0.05, length=1, at=[0.24, 0.15, -0.07])'
 is 'a sleeve goes to its arm' moved 'way == {"sleeve": [2.5, 0, 0]}'
