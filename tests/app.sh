@@ -72,6 +72,7 @@ cp "$root/app/scenes/tiny.json" tiny.json
 . "$root/tests/garment/pattern.sh"
 . "$root/tests/garment/sew.sh"
 . "$root/tests/garment/attach.sh"
+. "$root/tests/garment/start.sh"
 . "$root/tests/garment/sequence.sh"
 # In this order, as later ones use what earlier ones have written.
 for part in help input hostile motions scenes read geometry run resume folder audit \

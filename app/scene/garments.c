@@ -302,11 +302,13 @@ int read_garments(struct json *json, json_t *node, void *out)
         return status;
     scene->garment_cloth =
         pool_take(json->pool, (size_t)list.count + 1, sizeof(int));
-    if (!scene->garment_cloth)
+    scene->garment_sewn = pool_take(json->pool, (size_t)list.count + 1, 1);
+    if (!scene->garment_cloth || !scene->garment_sewn)
         return no_memory();
     for (int k = 0; k < list.count && status == APP_OK; k++) {
         int first = scene->def.n_cloths;
         scene->garment_cloth[k] = first;
+        scene->garment_sewn[k] = key[k].sewn;
         status = add_cloths(json->pool, scene, &key[k]);
         if (status == APP_OK)
             status = add_seams(json->pool, scene, &key[k], first);

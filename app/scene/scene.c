@@ -275,7 +275,8 @@ static bool name_bodies(const struct scene *scene, const char *text,
         return false;
     snprintf(out, 512,
              "%s%s %d (%.60s) triangle %d and %s %d (%.60s) triangle %d%s; "
-             "move them apart, or allow it by \"allow_intersecting\": true",
+             "move them apart, as `drape untangle` does, or allow it by "
+             "\"allow_intersecting\": true",
              begin, kind[0], body[0], name_of(scene, kind[0], body[0]),
              triangle[0], kind[1], body[1], name_of(scene, kind[1], body[1]),
              triangle[1], text + sizeof begin - 1 + end);

@@ -61,6 +61,7 @@ struct scene {
                    file shows them */
     int garments, *garment_cloth; /* [garments + 1] where each one's cloths
                                      begin */
+    bool *garment_sewn;           /* [garments] it begins where a mesh has it */
     bool unsewn; /* some seams are as far apart as their pattern places them */
     double particles;          /* sum over all cloths */
     int64_t degenerate;        /* obstacle triangles without area */

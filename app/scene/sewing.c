@@ -3,6 +3,8 @@
  */
 #include "app/scene/sewing.h"
 #include "app/base/app.h"
+#include "app/read/untangle.h"
+#include "app/read/crossings.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -93,9 +95,13 @@ static int mark_cloth(struct sewing *s)
 static int inspect_scene(struct sewing *s)
 {
     const drape_def *def = &s->whole;
+    int allowed = s->scene->def.allow_intersecting;
     int status = holds_begin(s);
+    s->scene->def.allow_intersecting = 1; /* what begins in a body may move */
     if (status == APP_OK)
         status = scene_create(s->scene, s->overrides, &s->world);
+    s->scene->def.allow_intersecting =
+        allowed || s->overrides->allow_intersecting > 0;
     if (status != APP_OK)
         return status;
     s->whole = s->scene->def; /* with the overrides */
@@ -119,7 +125,68 @@ static int inspect_scene(struct sewing *s)
         !s->cloth || !s->obstacle || !s->turn)
         return no_memory();
     int known = drape_read_triangles(s->world, s->tri);
-    return known == DRAPE_OK ? mark_cloth(s) : failed("the triangles", known);
+    if (known == DRAPE_OK)
+        known = drape_read(s->world, s->x, s->v);
+    return known == DRAPE_OK ? mark_cloth(s) : failed("the state", known);
+}
+
+/* Says of each panel that was moved how far. */
+static void tell_moves(const struct sewing *s, const struct clearing *c)
+{
+    for (int k = 0; k < s->whole.n_cloths; k++) {
+        const double *way = c->way[k];
+        if (c->by[k] < 0)
+            continue;
+        complain(APP_OK,
+                 "%s: note: panel %s is moved by %.3g cm, (%.3g, %.3g, %.3g) "
+                 "m, as %s%s begins in a body",
+                 s->scene->file, s->scene->cloth_name[k], 1e2 * length_of(way),
+                 way[0], way[1], way[2], c->by[k] == k ? "" : "panel ",
+                 c->by[k] == k ? "it" : s->scene->cloth_name[c->by[k]]);
+    }
+}
+
+/* Moves panels that begin in a body, if a start may not intersect. */
+static int clear_start(struct sewing *s)
+{
+    const struct scene *scene = s->scene;
+    int cloths = s->whole.n_cloths, parts = cloths + s->whole.n_obstacles;
+    bool *moves = pool_take(&s->pool, (size_t)parts, sizeof *moves);
+    int64_t *first = pool_take(&s->pool, (size_t)parts + 1, sizeof *first);
+    if (!moves || !first)
+        return no_memory();
+    struct clearing c = {.nt = s->nt,
+                         .x = s->x,
+                         .tri = (const int32_t(*)[3])s->tri,
+                         .parts = parts,
+                         .first = first,
+                         .moves = moves,
+                         .threads = s->whole.threads,
+                         .pool = &s->pool};
+    for (int k = 0; k <= parts; k++)
+        first[k] = drape_first_vertex(s->world, k);
+    for (int k = 0; k < scene->garments; k++)
+        for (int i = scene->garment_cloth[k]; i < scene->garment_cloth[k + 1];
+             i++)
+            moves[i] = !scene->garment_sewn[k];
+    int status = s->whole.allow_intersecting ? APP_OK : clear_panels(&c);
+    if (status != APP_OK || s->whole.allow_intersecting)
+        return status;
+    tell_moves(s, &c);
+    s->way = c.way;
+    s->by = c.by;
+    if (c.stuck < 0)
+        return APP_OK;
+    const struct clear_place *at = &c.place;
+    return complain(
+        APP_USAGE,
+        "%s: panel %s begins in %s, around (%.3g, %.3g, %.3g) m over %.3g cm, "
+        "%lld pairs of triangles, and no way of up to %.3g cm is free",
+        scene->file, scene->cloth_name[c.stuck],
+        at->body < cloths ? scene->cloth_name[at->body]
+                          : scene->obstacle_name[at->body - cloths],
+        at->at[0], at->at[1], at->at[2], 1e2 * at->size, (long long)at->pairs,
+        1e2 * at->tried);
 }
 
 /* Counts the steps of a trace since sewing began. */
@@ -213,7 +280,8 @@ static int read_seams(struct sewing *s)
 /* Makes the world of a stage from the state of the one before it. */
 static int make_world(struct sewing *s, enum sewing_stage stage)
 {
-    int status = drape_read(s->world, s->x, s->v);
+    /* the first stage has the state that was made for it */
+    int status = s->steps ? drape_read(s->world, s->x, s->v) : DRAPE_OK;
     if (status != DRAPE_OK)
         return failed("the state", status);
     if (holds_may_begin(s, stage))
@@ -254,6 +322,8 @@ int sewing_begin(struct sewing *sewing, struct scene *scene,
     for (int k = 0; k < SEWING_STAGES; k++)
         sewing->begun[k] = -1;
     int status = inspect_scene(sewing);
+    if (status == APP_OK)
+        status = clear_start(sewing);
     if (status == APP_OK)
         status = make_seams(sewing);
     return status == APP_OK ? enter_stage(sewing, next_stage(sewing, 0))
@@ -442,41 +512,6 @@ int64_t sewing_moves(const struct sewing *sewing)
 int sewing_move(struct sewing *sewing)
 {
     return enter_stage(sewing, SEWING_MOVING);
-}
-
-int crossings_find(const drape_mesh *mesh, struct crossings *crossings)
-{
-    struct crossings *c = crossings;
-    *c = (struct crossings){0};
-    int status = drape_audit(mesh, 0, NULL, &c->found, &c->degenerate);
-    if (status == DRAPE_OK && c->found) {
-        c->pair = malloc((size_t)c->found * sizeof *c->pair);
-        if (!c->pair)
-            return no_memory();
-        status =
-            drape_audit(mesh, c->found, c->pair, &c->found, &c->degenerate);
-    }
-    return status == DRAPE_OK
-               ? APP_OK
-               : complain(APP_FAILED, "audit: %s", drape_status_text(status));
-}
-
-void crossings_part(struct crossings *crossings, const drape_world *world)
-{
-    int64_t kept = 0;
-    for (int64_t k = 0; crossings->pair && k < crossings->found; k++) {
-        const int32_t *pair = crossings->pair[k];
-        if (drape_are_sewn(world, pair[0], pair[1]) != 1)
-            memmove(crossings->pair[kept++], pair, sizeof *crossings->pair);
-    }
-    crossings->sewn = crossings->found - kept;
-    crossings->found = kept;
-}
-
-void crossings_free(struct crossings *crossings)
-{
-    free(crossings->pair);
-    crossings->pair = NULL;
 }
 
 int sewing_audit(struct sewing *sewing, int64_t *pairs, int64_t *sewn)

@@ -19,19 +19,6 @@ enum sewing_stage {
 };
 extern const char *const sewing_stages[SEWING_STAGES];
 
-/* Pairs of triangles that intersect. */
-struct crossings {
-    int64_t found, sewn, degenerate; /* sewn: pairs that a seam joins */
-    int32_t (*pair)[2];              /* [found] */
-};
-
-/* Finds the pairs of a mesh. Returns app_exit; crossings_free gives back what
- * it holds in any case. */
-int crossings_find(const drape_mesh *mesh, struct crossings *crossings);
-/* Takes out the pairs that a seam of the world joins, and counts them. */
-void crossings_part(struct crossings *crossings, const drape_world *world);
-void crossings_free(struct crossings *crossings);
-
 struct sewing_seam {
     enum sewing_stage stage; /* in which its turn comes */
     int64_t n;
@@ -70,6 +57,9 @@ struct sewing {
     const struct overrides *overrides;
     drape_def whole;    /* the scene's, of which each stage changes a part */
     drape_world *world; /* of the present stage */
+    double (*way)[3];   /* [cloths] m, by which panels were moved at the start,
+                           NULL: none was */
+    int *by;            /* [cloths] the panel that moved it, -1: it stayed */
     enum sewing_stage stage;
     struct sewing_seam *seam; /* [whole.n_seams] */
     struct sewing_hold *hold; /* [holds] */

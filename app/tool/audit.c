@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* drape audit: intersecting triangle pairs, counted by exact predicates. */
 #include "app/base/file.h"
+#include "app/read/crossings.h"
 #include "app/read/json.h"
-#include "app/scene/sewing.h"
+#include "app/scene/scene.h"
 #include "app/tool/options.h"
 #include "app/write/output.h"
 

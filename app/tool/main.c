@@ -121,6 +121,18 @@ static const struct command {
      "seams\nclosed; and sewn.json, a scene for `run` that begins as sewing "
      "ended.\n"
      "Exit status 1: a seam is open, or a step is not clean.\n"},
+    {"untangle", command_untangle, "part a start that intersects",
+     "drape untangle MESH... [--obstacle MESH] [options] | SCENE.json "
+     "[options]\n"
+     "Lists where meshes go through themselves and each other, in regions, "
+     "and\n"
+     "parts them; obstacles stay. DIR gets a mesh for each, untangle.json, "
+     "pictures\nof where it was, and of a scene of garments start.json, which "
+     "begins so.\n"
+     "  --out DIR      where to write (default: untangled)\n"
+     "  --rounds N     at most (default: 200); 0: lists only\n"
+     "  --no-picture   no pictures\n"
+     "Exit status 1: something still intersects.\n"},
     {"export", command_export, "write a run as USD, glTF, Alembic, film …",
      "drape export DIR --to FILE [--every K]\n"
      "FILE ends in .usdc, .usda, .usd, .glb, .abc, .npz, or for a film in "

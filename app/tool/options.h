@@ -50,6 +50,7 @@ int command_ccd(int argc, char **argv);
 int command_convert(int argc, char **argv);
 int command_pattern(int argc, char **argv);
 int command_sew(int argc, char **argv);
+int command_untangle(int argc, char **argv);
 int command_materials(int argc, char **argv);
 int command_export(int argc, char **argv);
 int command_view(int argc, char **argv);

@@ -13,7 +13,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <unistd.h>
 
 struct sew {
     struct scene scene;
@@ -32,44 +31,6 @@ struct sew {
                    */
     int frames, tracing, obj, force, no_motion, no_picture;
 };
-
-/* Replaces a file's name, if it is one in this folder, by its whole path. */
-static void name_wholly(json_t *object, const char *key, const char *folder)
-{
-    char there[FILE_PATH], all[FILE_PATH], here[FILE_PATH];
-    const char *name = json_string_value(json_object_get(object, key));
-    if (!name || name[0] == '/' || !file_join(there, folder, name) ||
-        (!strchr(name, '%') && !file_exists(there)))
-        return;
-    if (there[0] != '/' && getcwd(here, sizeof here) &&
-        file_join(all, here, there))
-        strcpy(there, all);
-    json_object_set_new(object, key, json_string(there));
-}
-
-/* Names the files of a scene wholly, as sewn.json is in another folder. */
-static void name_files(json_t *root, const char *file)
-{
-    char folder[FILE_PATH];
-    snprintf(folder, sizeof folder, "%s", file);
-    char *slash = strrchr(folder, '/');
-    strcpy(slash ? slash + (slash == folder) : folder, slash ? "" : ".");
-    size_t k;
-    json_t *item;
-    json_array_foreach(json_object_get(root, "garments"), k, item)
-    {
-        name_wholly(item, "pattern", folder);
-        name_wholly(item, "sewn", folder);
-    }
-    json_array_foreach(json_object_get(root, "cloths"), k, item)
-        name_wholly(json_object_get(item, "panel"), "pattern", folder);
-    json_array_foreach(json_object_get(root, "obstacles"), k, item)
-    {
-        name_wholly(item, "mesh", folder);
-        name_wholly(json_object_get(item, "frames"), "file", folder);
-        name_wholly(json_object_get(item, "frames"), "files", folder);
-    }
-}
 
 /* Reads the value of an option, if it is given. */
 static int read_number(const char *option, const char *text, double lo,
@@ -184,7 +145,7 @@ static json_t *wrap(const struct sew *sew, const char *file)
         json_object_set_new(scene, "obstacles",
                             json_pack("[o]", wrap_body(sew, rate, apart)));
     /* names begin in the present folder, as on every command line */
-    name_files(scene, ".");
+    sewn_name_files(scene, ".");
     return scene;
 }
 
@@ -207,7 +168,7 @@ static int load(struct sew *sew, const char *file)
                             "--apart, --cell, --fabric and --attach are keys "
                             "of a scene",
                             file);
-        name_files(sew->root, file);
+        sewn_name_files(sew->root, file);
     }
     char *text = json_dumps(sew->root, JSON_REAL_PRECISION(17));
     if (!text)
@@ -374,27 +335,6 @@ static int tell(const struct sew *sew, const struct totals *t, const char *end)
     return open || pairs || t->not_clean ? APP_FINDINGS : APP_OK;
 }
 
-/* Writes the scene that begins as sewing ended. */
-static bool put_scene(const struct sew *sew)
-{
-    struct file file;
-    size_t k;
-    json_t *garment;
-    json_array_foreach(json_object_get(sew->root, "garments"), k, garment)
-    {
-        char name[64];
-        snprintf(name, sizeof name, "sewn_%04d.ply", (int)k);
-        json_object_set_new(garment, "sewn", json_string(name));
-        json_object_del(garment, "at");
-    }
-    if (!file_open(&file, sew->out, "sewn.json"))
-        return false;
-    json_dumpf(sew->root, file.stream,
-               JSON_INDENT(1) | JSON_REAL_PRECISION(17));
-    fputc('\n', file.stream);
-    return file_close(&file);
-}
-
 /* Takes the frame at a step, or the one that is there before it, from the front
  * and from behind. */
 static int take_pictures(const struct sew *sew, int64_t step)
@@ -443,7 +383,8 @@ static int finish(struct sew *sew, int code)
     if (status != APP_OK ||
         !report_write(&sew->report, &sew->scene, s->world, sew->out, end) ||
         !sewn_write(&sew->sewn, s, sew->out) ||
-        (!sew->worn && !sewn_save(s, sew->out)) || !put_scene(sew) ||
+        (!sew->worn && !sewn_save(s, sew->out)) ||
+        !sewn_put_scene(sew->root, sew->out, "sewn.json") ||
         (sew->tracing && !file_close(&sew->trace)))
         return APP_FAILED;
     if (!sew->no_picture && sew->worn)

@@ -7,6 +7,8 @@
 
 #include <inttypes.h>
 #include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 
 int sewn_add(struct sewn *sewn, struct sewing *sewing, int frame)
 {
@@ -120,6 +122,26 @@ static void put_frame(FILE *out, const struct sewing *s,
             row->open, row->waiting, row->pairs, row->sewn);
 }
 
+/* The panels that began in a body, and those that they pushed. */
+static void put_moves(FILE *out, const struct sewing *s)
+{
+    const char *comma = "";
+    fputs("  \"moved\": [", out);
+    for (int k = 0; s->by && k < s->whole.n_cloths; k++) {
+        const double *way = s->way[k];
+        if (s->by[k] < 0)
+            continue;
+        fprintf(out, "%s\n    {\"panel\": ", comma);
+        text_put(out, s->scene->cloth_name[k]);
+        fputs(", \"by\": ", out);
+        text_put(out, s->scene->cloth_name[s->by[k]]);
+        fprintf(out, ", \"way_m\": [%.6g, %.6g, %.6g]}", way[0], way[1],
+                way[2]);
+        comma = ",";
+    }
+    fputs("],\n", out);
+}
+
 bool sewn_write(const struct sewn *sewn, const struct sewing *sewing,
                 const char *directory)
 {
@@ -136,7 +158,9 @@ bool sewn_write(const struct sewn *sewn, const struct sewing *sewing,
                     sewing->begun[k]);
             comma = ", ";
         }
-    fputs("},\n  \"seams\": [\n", out);
+    fputs("},\n", out);
+    put_moves(out, sewing);
+    fputs("  \"seams\": [\n", out);
     for (int k = 0; k < sewing->whole.n_seams; k++) {
         put_seam(out, sewing, k);
         fputs(k + 1 < sewing->whole.n_seams ? ",\n" : "\n", out);
@@ -190,4 +214,60 @@ bool sewn_save(struct sewing *sewing, const char *directory)
                     scene->garment_cloth[k + 1], directory, name);
     }
     return good;
+}
+
+/* Replaces a file's name, if it is one in this folder, by its whole path. */
+static void name_wholly(json_t *object, const char *key, const char *folder)
+{
+    char there[FILE_PATH], all[FILE_PATH], here[FILE_PATH];
+    const char *name = json_string_value(json_object_get(object, key));
+    if (!name || name[0] == '/' || !file_join(there, folder, name) ||
+        (!strchr(name, '%') && !file_exists(there)))
+        return;
+    if (there[0] != '/' && getcwd(here, sizeof here) &&
+        file_join(all, here, there))
+        strcpy(there, all);
+    json_object_set_new(object, key, json_string(there));
+}
+
+void sewn_name_files(json_t *root, const char *file)
+{
+    char folder[FILE_PATH];
+    snprintf(folder, sizeof folder, "%s", file);
+    char *slash = strrchr(folder, '/');
+    strcpy(slash ? slash + (slash == folder) : folder, slash ? "" : ".");
+    size_t k;
+    json_t *item;
+    json_array_foreach(json_object_get(root, "garments"), k, item)
+    {
+        name_wholly(item, "pattern", folder);
+        name_wholly(item, "sewn", folder);
+    }
+    json_array_foreach(json_object_get(root, "cloths"), k, item)
+        name_wholly(json_object_get(item, "panel"), "pattern", folder);
+    json_array_foreach(json_object_get(root, "obstacles"), k, item)
+    {
+        name_wholly(item, "mesh", folder);
+        name_wholly(json_object_get(item, "frames"), "file", folder);
+        name_wholly(json_object_get(item, "frames"), "files", folder);
+    }
+}
+
+bool sewn_put_scene(json_t *root, const char *directory, const char *name)
+{
+    struct file file;
+    size_t k;
+    json_t *garment;
+    json_array_foreach(json_object_get(root, "garments"), k, garment)
+    {
+        char mesh[64];
+        snprintf(mesh, sizeof mesh, "sewn_%04d.ply", (int)k);
+        json_object_set_new(garment, "sewn", json_string(mesh));
+        json_object_del(garment, "at");
+    }
+    if (!file_open(&file, directory, name))
+        return false;
+    json_dumpf(root, file.stream, JSON_INDENT(1) | JSON_REAL_PRECISION(17));
+    fputc('\n', file.stream);
+    return file_close(&file);
 }

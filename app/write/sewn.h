@@ -32,4 +32,11 @@ bool sewn_write(const struct sewn *sewn, const struct sewing *sewing,
  * they are. false after one line. */
 bool sewn_save(struct sewing *sewing, const char *directory);
 
+/* Names the files of a scene wholly, as what is written of it is in another
+ * folder than its `file`. */
+void sewn_name_files(json_t *root, const char *file);
+/* Writes the scene that begins where the meshes sewn_NUMBER.ply have its
+ * garments. false after one line. */
+bool sewn_put_scene(json_t *root, const char *directory, const char *name);
+
 #endif

@@ -6,13 +6,13 @@
 # Help and exit codes
 exits 'help' 0 help
 is 'help names every command' sh -c 'for c in run plan audit render ccd \
-    convert pattern sew export view sweep fetch-models materials info help; do grep -q "^  $c " out || exit 1; done'
-for command in run plan audit render ccd convert pattern sew export view sweep fetch-models \
+    convert pattern sew untangle export view sweep fetch-models materials info help; do grep -q "^  $c " out || exit 1; done'
+for command in run plan audit render ccd convert pattern sew untangle export view sweep fetch-models \
     materials info help; do
     exits "help $command" 0 help $command
     is "help $command shows its usage" grep -q "usage: drape $command" out
 done
-for command in run plan audit render ccd convert pattern sew export view sweep \
+for command in run plan audit render ccd convert pattern sew untangle export view sweep \
     fetch-models; do
     refused "$command --nonsense" '--nonsense: unknown option' \
         $command --nonsense
@@ -33,7 +33,7 @@ else
     skip 'groff reads the manual: there is no groff'
 fi
 # Every option in a command's table is in its help and in the manual.
-for command in run plan audit render ccd convert pattern sew; do
+for command in run plan audit render ccd convert pattern sew untangle; do
     "$drape" help $command >out
     sed 's/\\-/-/g' "$root/app/drape.1" >manual
     options=$(sed -n 's/.*_OPTION("\(--[a-z-]*\)",.*/\1/p' \
