@@ -170,8 +170,11 @@ static json_t *wrap(const struct sew *sew, const char *file)
     json_object_set_new(garment, "cell", json_real(cell));
     if (sew->fabric)
         json_object_set_new(garment, "material", json_string(sew->fabric));
-    if (sew->attach && read_attaches(sew->attach, garment) != APP_OK)
+    if (sew->attach && read_attaches(sew->attach, garment) != APP_OK) {
+        json_decref(garment);
+        json_decref(scene);
         return NULL;
+    }
     char name[256];
     snprintf(name, sizeof name, "%.250s", slash ? slash + 1 : file);
     char *dot = strrchr(name, '.');
