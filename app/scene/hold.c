@@ -46,7 +46,26 @@ static void stretch(struct box *box, const double (*x)[3], int64_t n)
         }
 }
 
-/* Where all that the definition has is at the start, and where frames are. */
+/* All places to which a motion may take a mesh: balls about those of its pivot.
+ */
+static void sweep(struct box *box, const drape_motion *m,
+                  const drape_obstacle *o)
+{
+    double radius = 0;
+    for (int64_t k = 0; k < o->n_vertices; k++) {
+        double from[3];
+        for (int i = 0; i < 3; i++)
+            from[i] = o->x[k][i] - m->pivot[i];
+        radius = fmax(radius, length_of(from));
+    }
+    for (int k = 0; k < m->keys; k++)
+        for (int i = 0; i < 3; i++) {
+            box->lo[i] = fmin(box->lo[i], m->position[k][i] - radius);
+            box->hi[i] = fmax(box->hi[i], m->position[k][i] + radius);
+        }
+}
+
+/* Where garments are at the start, and where bodies ever are. */
 static struct box find_box(const drape_def *def)
 {
     struct box box = {{INFINITY, INFINITY, INFINITY},
@@ -56,7 +75,9 @@ static struct box find_box(const drape_def *def)
                 (int64_t)def->cloths[k].m * def->cloths[k].n);
     for (int k = 0; k < def->n_obstacles; k++) {
         const drape_obstacle *o = &def->obstacles[k];
-        if (o->frames)
+        if (o->motion >= 0)
+            sweep(&box, &def->motions[o->motion], o);
+        else if (o->frames)
             stretch(&box, o->frame, o->frames * o->n_vertices);
         else
             stretch(&box, o->x, o->n_vertices);

@@ -87,7 +87,7 @@ static int read_attaches(const char *text, json_t *garment)
     json_object_set_new(garment, "attach", list);
     if (!copy)
         return no_memory();
-    bool none = !strcmp(text, "none"), good = none || *text;
+    bool none = !strcmp(text, "none"), good = true;
     for (char *one = strtok_r(copy, ",", &place); one && !none && good;
          one = strtok_r(NULL, ",", &place)) {
         json_t *attach = json_object();
@@ -100,12 +100,13 @@ static int read_attaches(const char *text, json_t *garment)
         json_array_append_new(list, attach);
     }
     free(copy);
-    return good ? APP_OK
-                : complain(APP_USAGE,
-                           "--attach %s: expected "
-                           "LABEL[:soft|hard][:body|world][:SECONDS], more of "
-                           "these behind commas, or none",
-                           text);
+    return good && (none || json_array_size(list))
+               ? APP_OK
+               : complain(APP_USAGE,
+                          "--attach %s: expected "
+                          "LABEL[:soft|hard][:body|world][:SECONDS], more of "
+                          "these behind commas, or none",
+                          text);
 }
 
 /* The scene of a pattern and a body. NULL after one line. */
@@ -131,8 +132,11 @@ static json_t *wrap(const struct sew *sew, const char *file)
     json_object_set_new(garment, "cell", json_real(cell));
     if (sew->fabric)
         json_object_set_new(garment, "material", json_string(sew->fabric));
-    if (sew->attach && read_attaches(sew->attach, garment) != APP_OK)
+    if (sew->attach && read_attaches(sew->attach, garment) != APP_OK) {
+        json_decref(garment);
+        json_decref(scene);
         return NULL;
+    }
     char name[256];
     snprintf(name, sizeof name, "%.250s", slash ? slash + 1 : file);
     char *dot = strrchr(name, '.');

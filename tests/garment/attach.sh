@@ -184,6 +184,8 @@ refused 'one that is like none' 'one has "lower_interface"' \
     sew halves.json --cell 0.02 --attach collar --out refused
 refused 'a word of no attachment' 'expected LABEL[:soft|hard][:body|world][:SECONDS]' \
     sew halves.json --cell 0.02 --attach lower_interface:firm --out refused
+refused 'no word at all' 'more of these behind commas, or none' \
+    sew halves.json --cell 0.02 --attach , --out refused
 refused 'attachments of a scene' '--fabric and --attach are keys of a scene' \
     sew weak.json --attach none --out refused
 sed 's/"strength": 0.2/"strength": 0/' weak.json >none.json
