@@ -193,13 +193,13 @@ static void check_cell(struct check *c, const drape_cloth *cloth, int i, int j)
 /* Whether a cell that is not regular is convex. */
 static bool is_convex(const drape_cloth *cloth, int kind, int64_t p)
 {
-    int64_t tri[2][3];
+    int64_t tri[2][3] = {{0}};
     bool convex = true;
     if (kind < DRAPE_CELL_WITHOUT)
         for (int other = DRAPE_CELL_RISING; other <= DRAPE_CELL_FALLING;
              other++) {
-            cell_triangles(other, p, cloth->m, tri);
-            for (int t = 0; t < 2; t++)
+            int count = cell_triangles(other, p, cloth->m, tri);
+            for (int t = 0; t < count; t++)
                 convex &= rest_area(cloth->panel->rest, tri[t]) > 0;
         }
     return convex;

@@ -17,14 +17,17 @@ struct behind {
     double along[BEHIND], across[BEHIND];
 };
 
-/* One side of a seam. */
+/* One side of a seam: its particles, or their places. */
 struct border {
     const drape_cloth *cloth;
-    const int32_t *particle;  /* [n] of the points, or NULL: */
-    const int32_t (*onto)[2]; /* [n] their places, */
-    const double *part;       /* [n] */
-    int64_t n;
+    const drape_seam *seam;
+    bool places;
 };
+
+static double length_of(double x, double y)
+{
+    return sqrt(x * x + y * y);
+}
 
 static void rest_of(const drape_cloth *d, int32_t p, double x[2])
 {
@@ -40,14 +43,15 @@ static void rest_of(const drape_cloth *d, int32_t p, double x[2])
 static void point_of(const struct border *s, int64_t k, double x[2])
 {
     double a[2], b[2];
-    if (s->particle) {
-        rest_of(s->cloth, s->particle[k], x);
+    if (!s->places) {
+        rest_of(s->cloth, s->seam->particle[k], x);
         return;
     }
-    rest_of(s->cloth, s->onto[k][0], a);
-    rest_of(s->cloth, s->onto[k][1], b);
+    double part = s->seam->part[k];
+    rest_of(s->cloth, s->seam->onto[k][0], a);
+    rest_of(s->cloth, s->seam->onto[k][1], b);
     for (int i = 0; i < 2; i++)
-        x[i] = (1 - s->part[k]) * a[i] + s->part[k] * b[i];
+        x[i] = (1 - part) * a[i] + part * b[i];
 }
 
 /* Adds the particles that a cell joins to particle p. */
@@ -73,20 +77,19 @@ static void add_beside(const drape_cloth *d, int32_t p, struct behind *to)
  * there. */
 static bool unfold(const struct border *s, int64_t k, struct behind *to)
 {
-    double x[2], from[2], end[2], middle[2] = {0, 0}, way[2], q[2];
+    double x[2], from[2], end[2], way[2], q[2], middle = 0;
     to->n = 0;
-    if (s->particle) {
-        add_beside(s->cloth, s->particle[k], to);
-    } else {
-        add_beside(s->cloth, s->onto[k][0], to);
-        add_beside(s->cloth, s->onto[k][1], to);
-    }
+    if (s->places)
+        for (int i = 0; i < 2; i++)
+            add_beside(s->cloth, s->seam->onto[k][i], to);
+    else
+        add_beside(s->cloth, s->seam->particle[k], to);
     point_of(s, k, x);
     point_of(s, k > 0 ? k - 1 : k, from);
-    point_of(s, k + 1 < s->n ? k + 1 : k, end);
+    point_of(s, k + 1 < s->seam->n ? k + 1 : k, end);
     for (int i = 0; i < 2; i++)
         way[i] = end[i] - from[i];
-    double length = hypot(way[0], way[1]);
+    double length = length_of(way[0], way[1]);
     if (!(length > 0) || to->n == 0)
         return false;
     for (int a = 0; a < to->n; a++) {
@@ -95,10 +98,10 @@ static bool unfold(const struct border *s, int64_t k, struct behind *to)
         q[1] -= x[1];
         to->along[a] = (q[0] * way[0] + q[1] * way[1]) / length;
         to->across[a] = (q[1] * way[0] - q[0] * way[1]) / length;
-        middle[1] += to->across[a];
+        middle += to->across[a];
     }
     for (int a = 0; a < to->n; a++)
-        to->across[a] = middle[1] < 0 ? -to->across[a] : to->across[a];
+        to->across[a] = middle < 0 ? -to->across[a] : to->across[a];
     return true;
 }
 
@@ -108,8 +111,8 @@ static bool solve_form(const struct behind *s, const struct behind *t, int a,
                        int b, int c, double w[2])
 {
     double det = t->along[b] * t->across[c] - t->along[c] * t->across[b];
-    double scale =
-        hypot(t->along[b], t->across[b]) * hypot(t->along[c], t->across[c]);
+    double scale = length_of(t->along[b], t->across[b]) *
+                   length_of(t->along[c], t->across[c]);
     if (!(fabs(det) > 1e-6 * scale))
         return false;
     double x = -s->along[a], y = s->across[a];
@@ -120,44 +123,54 @@ static bool solve_form(const struct behind *s, const struct behind *t, int a,
     return w[0] >= 0 && w[1] >= 0;
 }
 
-/* §6.1: how far the form's answer is off, squared; its answer to ½ d². */
-static double find_off(const struct behind *s, const struct behind *t, int a,
-                       int b, int c, const double w[2], double *answer)
+/* §6.1: makes the hinge on particle a of one side and b, c of the other, but
+ * for its at[1] and its length. Returns how far its answer is off, squared;
+ * HUGE_VAL: there is none. */
+static double make_hinge(const struct behind *s, const struct behind *t, int a,
+                         int b, int c, struct hinge *to)
 {
     double ss = s->along[a] * s->along[a], dd = s->across[a] * s->across[a];
-    double sd = s->along[a] * s->across[a];
+    double sd = s->along[a] * s->across[a], w[2], across = 0;
     const int on[2] = {b, c};
+    if (!(s->across[a] > 0 && t->across[b] > 0 && t->across[c] > 0) ||
+        !solve_form(s, t, a, b, c, w))
+        return HUGE_VAL;
     for (int k = 0; k < 2; k++) {
-        double u = t->along[on[k]], v = -t->across[on[k]];
+        double u = t->along[on[k]], v = t->across[on[k]];
         ss += w[k] * (u * u);
         dd += w[k] * (v * v);
-        sd += w[k] * (u * v);
+        sd -= w[k] * (u * v);
+        across += w[k] * v;
     }
-    *answer = dd / 2;
     double off = ss / dd, twist = 2 * sd / dd;
-    return fabs(off) <= MOST_OFF && fabs(twist) <= MOST_OFF
-               ? off * off + twist * twist
-               : HUGE_VAL;
+    if (!(off <= MOST_OFF && fabs(twist) <= MOST_OFF))
+        return HUGE_VAL;
+    double sum = w[0] + w[1], all = 1 + sum, scale = 2 * all / dd;
+    *to = (struct hinge){.at = {s->at[a], 0, t->at[b], t->at[c]},
+                         .c = {1 / all, -1, w[0] / all, w[1] / all},
+                         .shape = scale * scale,
+                         .behind = (s->across[a] + across / sum) / 2};
+    return off * off + twist * twist;
 }
 
 /* The length of seam that a point has, m. */
-static double spacing_of(const struct border *s, int64_t k)
+static double find_spacing(const struct border *s, int64_t k)
 {
     double x[2], y[2], sum = 0;
     for (int side = -1; side < 2; side += 2) {
         int64_t to = k + side;
-        if (to < 0 || to >= s->n)
+        if (to < 0 || to >= s->seam->n)
             continue;
         point_of(s, k, x);
         point_of(s, to, y);
-        sum += hypot(y[0] - x[0], y[1] - x[1]) / 2;
+        sum += length_of(y[0] - x[0], y[1] - x[1]) / 2;
     }
     return sum;
 }
 
 /* Whether the same particle is on both sides, as at the tip of a dart. */
-static bool meet(const drape_seam *seam, int64_t point, int32_t a, int32_t b,
-                 int32_t c)
+static bool share_particle(const drape_seam *seam, int64_t point, int32_t a,
+                           int32_t b, int32_t c)
 {
     int32_t p = seam->particle[point];
     return seam->cloth[0] == seam->cloth[1] &&
@@ -169,37 +182,31 @@ bool hinge_find(const drape_def *def, const drape_seam *seam, int64_t point,
 {
     const drape_cloth *cloth[2] = {&def->cloths[seam->cloth[0]],
                                    &def->cloths[seam->cloth[1]]};
-    struct border one = {cloth[0], seam->particle, NULL, NULL, seam->n};
-    struct border other = {cloth[1], NULL, seam->onto, seam->part, seam->n};
+    struct border one = {cloth[0], seam, false};
+    struct border other = {cloth[1], seam, true};
     struct behind s, t;
     double least = HUGE_VAL;
+    *hinge = (struct hinge){{0}, {0}, 0, 0};
     if (cloth[0]->bending != DRAPE_TRIPLES ||
         cloth[1]->bending != DRAPE_TRIPLES || !unfold(&one, point, &s) ||
         !unfold(&other, point, &t))
         return false;
     for (int a = 0; a < s.n; a++)
-        for (int b = 0; b < t.n && s.across[a] > 0; b++)
+        for (int b = 0; b < t.n; b++)
             for (int c = b + 1; c < t.n; c++) {
-                double w[2], answer;
-                if (!(t.across[b] > 0 && t.across[c] > 0) ||
-                    meet(seam, point, s.at[a], t.at[b], t.at[c]) ||
-                    !solve_form(&s, &t, a, b, c, w))
-                    continue;
-                double off = find_off(&s, &t, a, b, c, w, &answer);
+                struct hinge one;
+                double off = HUGE_VAL;
+                if (!share_particle(seam, point, s.at[a], t.at[b], t.at[c]))
+                    off = make_hinge(&s, &t, a, b, c, &one);
                 if (!(off < least - 1e-9))
-                    continue;
+                    continue; /* rounding does not choose between two */
                 least = off;
-                double all = 1 + w[0] + w[1], sum = w[0] + w[1];
-                double across = (w[0] * t.across[b] + w[1] * t.across[c]) / sum;
-                *hinge = (struct hinge){
-                    .at = {s.at[a], seam->particle[point], t.at[b], t.at[c]},
-                    .c = {1 / all, -1, w[0] / all, w[1] / all},
-                    .shape = all / answer * (all / answer),
-                    .behind = (s.across[a] + across) / 2};
+                *hinge = one;
             }
     if (!(least < HUGE_VAL))
         return false;
-    hinge->shape *= hinge->behind * spacing_of(&one, point);
+    hinge->at[1] = seam->particle[point];
+    hinge->shape *= hinge->behind * find_spacing(&one, point);
     return true;
 }
 
