@@ -31,7 +31,8 @@ struct knot {
     double (*was)[3];          /* [nv] at the start */
     double (*way)[3], *need;   /* [nv] of a round: a direction; m */
     double (*mean)[3], *share; /* [nv] of neighbours */
-    int64_t *join;             /* [nv] */
+    int32_t *owner; /* [nv] the region, as found, for which it moves; -1 */
+    bool *back;     /* [found] it is put back */
     struct crossings pairs;
     struct regions regions;
     int tried; /* number of the try */
@@ -197,7 +198,7 @@ static int list(struct knot *k, struct tangles *tangles, int32_t *mark)
 /* Adds a way to the vertices of a triangle, of which each is moved by `most` of
  * its size, or by what it lacks to be outside of the plane through `from`. */
 static void push(struct knot *k, int32_t triangle, const double to[3],
-                 const double *from)
+                 const double *from, int32_t owner)
 {
     double size = find_size(k, triangle), far[3];
     for (int i = 0; i < 3; i++) {
@@ -212,7 +213,18 @@ static void push(struct knot *k, int32_t triangle, const double to[3],
         for (int d = 0; d < 3; d++)
             k->way[v][d] += to[d];
         k->need[v] = fmax(k->need[v], lacks);
+        k->owner[v] = k->owner[v] < 0 ? owner : k->owner[v];
     }
+}
+
+/* The region, as found, of a pair: that of its first vertex that has one, as a
+ * pair that is new has one that moved. */
+static int32_t find_owner(const struct knot *k, const int32_t pair[2])
+{
+    int32_t owner = -1;
+    for (int i = 0; i < 6 && owner < 0; i++)
+        owner = k->owner[k->u->tri[pair[i / 3]][i % 3]];
+    return owner;
 }
 
 /* The body of a pair that is solid, as a place in the pair; -1: none. */
@@ -333,7 +345,8 @@ static int find_ways(struct knot *k)
         for (int i = 0; i < 3 && back; i++)
             n[i] = -n[i];
         if (!k->u->fixed[k->part[moves]])
-            push(k, moves, n, s >= 0 ? corner(k, pair[s], 0) : NULL);
+            push(k, moves, n, s >= 0 ? corner(k, pair[s], 0) : NULL,
+                 find_owner(k, pair));
     }
     for (size_t v = 0; good && v < nv; v++) {
         shorten(k->way[v]);
@@ -360,6 +373,8 @@ static void spread(struct knot *k)
             for (int i = 0; i < 3; i++)
                 k->mean[to][i] += k->way[from][i];
             k->share[to]++;
+            if (k->owner[to] < 0 && dot(k->way[from], k->way[from]) > 0)
+                k->owner[to] = k->owner[from];
         }
     for (size_t v = 0; v < nv; v++)
         for (int i = 0; i < 3 && k->need[v] == 0 && k->share[v] > 0; i++)
@@ -379,42 +394,22 @@ static bool has_moved(const struct knot *k, int32_t v)
     return memcmp(k->u->x[v], k->was[v], sizeof k->was[v]) != 0;
 }
 
-static int64_t root_of(int64_t *join, int64_t k)
-{
-    while (join[k] != k)
-        k = join[k] = join[join[k]];
-    return k;
-}
-
-/* Puts back the vertices that have moved and are joined, by edges of such, to a
- * triangle that still intersects. *more: there were any. */
+/* Puts back what moved for the regions, as they were found, of which something
+ * still intersects. *more: some of that had moved. */
 static void put_back(struct knot *k, bool *more)
 {
     struct untangling *u = k->u;
     *more = false;
-    for (int64_t v = 0; v < k->mesh.nv; v++)
-        k->join[v] = v;
-    for (int64_t t = 0; t < u->nt; t++)
-        for (int i = 0; i < 3; i++) {
-            int32_t a = u->tri[t][i], b = u->tri[t][(i + 1) % 3];
-            if (has_moved(k, a) && has_moved(k, b))
-                k->join[root_of(k->join, a)] = root_of(k->join, b);
-        }
-    memset(k->share, 0, (size_t)k->mesh.nv * sizeof *k->share);
+    memset(k->back, 0, ((size_t)u->found.count + 1) * sizeof *k->back);
     for (int64_t p = 0; p < 6 * k->pairs.found; p++) {
         int32_t v = u->tri[k->pairs.pair[p / 6][p / 3 % 2]][p % 3];
         if (!has_moved(k, v))
             continue;
-        k->share[root_of(k->join, v)] = 1;
         *more = true;
+        k->back[k->owner[v]] = true;
     }
     for (int64_t v = 0; v < k->mesh.nv; v++)
-        if (k->share[root_of(k->join, v)] > 0)
-            k->need[v] = -1; /* as others are asked for their roots yet */
-        else
-            k->need[v] = 0;
-    for (int64_t v = 0; v < k->mesh.nv; v++)
-        if (k->need[v] < 0)
+        if (k->owner[v] >= 0 && k->back[k->owner[v]])
             memcpy(u->x[v], k->was[v], sizeof k->was[v]);
 }
 
@@ -478,14 +473,16 @@ static int begin(struct knot *k)
     k->need = pool_take(pool, nv, sizeof *k->need);
     k->mean = pool_take(pool, nv, sizeof *k->mean);
     k->share = pool_take(pool, nv, sizeof *k->share);
-    k->join = pool_take(pool, nv, sizeof *k->join);
+    k->owner = pool_take(pool, nv, sizeof *k->owner);
     u->way = pool_take(pool, parts, sizeof *u->way);
     u->mark = pool_take(pool, nt, sizeof *u->mark);
     if (!k->part || !k->group || !k->beyond || !k->solid || !k->inward ||
-        !k->was || !k->way || !k->need || !k->mean || !k->share || !k->join ||
+        !k->was || !k->way || !k->need || !k->mean || !k->share || !k->owner ||
         !u->way || !u->mark)
         return no_memory();
     memcpy(k->was, u->x, (nv - 1) * sizeof *k->was);
+    for (size_t v = 0; v < nv; v++)
+        k->owner[v] = -1;
     int64_t from = 0;
     for (int p = 0; p < u->parts; p++) {
         int64_t to = from;
@@ -531,6 +528,12 @@ int untangle(struct untangling *untangling)
         status = find_pairs(&k);
     if (status == APP_OK)
         status = list(&k, &u->found, u->mark);
+    k.back = pool_take(u->pool, (size_t)u->found.count + 1, sizeof *k.back);
+    if (!k.back)
+        return no_memory();
+    for (int64_t p = 0; p < 6 * k.pairs.found && status == APP_OK; p++)
+        k.owner[u->tri[k.pairs.pair[p / 6][p / 3 % 2]][p % 3]] =
+            k.regions.of[p / 6];
     if (status == APP_OK && u->rounds)
         status = part(&k);
     if (status == APP_OK)

@@ -73,8 +73,9 @@ struct untangling {
 };
 
 /* Lists where bodies intersect themselves and each other, and parts them if
- * `rounds` is not 0. What it could not part is as it was. Coordinates that were
- * changed are those of binary32. Returns app_exit; what fails prints one line.
+ * `rounds` is not 0. What it could not part is as it was. Coordinates
+ * that were changed are those of binary32. Returns app_exit; what fails prints
+ * one line.
  */
 int untangle(struct untangling *untangling);
 
