@@ -12,7 +12,8 @@ import zipfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-FILES = ("__init__.py", "bake.py", "grid.py", "../scene/fabrics.def")
+FILES = [*sorted(p for p in HERE.glob("*.py") if p.name != "pack.py")]
+FILES += [HERE.parent / "scene/fabrics.def"]
 
 
 def pack(out: Path, wheels: list[Path]) -> None:
@@ -24,8 +25,8 @@ def pack(out: Path, wheels: list[Path]) -> None:
     head += f"wheels = [\n{listed}]\n\n"
     with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("blender_manifest.toml", head + table + rest)
-        for name in FILES:
-            archive.write(HERE / name, Path(name).name)
+        for file in FILES:
+            archive.write(file, file.name)
         for wheel, name in zip(wheels, names, strict=True):
             archive.write(wheel, name.removeprefix("./"))
 

@@ -3,11 +3,9 @@
 
 from __future__ import annotations
 
-import importlib.util
 import subprocess
 import sys
 import zipfile
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -16,82 +14,12 @@ import pytest
 from needs import need
 
 import drape
+from apps.addon import FRAMES, addon, ball, refused, sheet, shown, triangles
 from apps.runs import ROOT, tool
 
+__all__ = ["addon"]
+
 bpy = need("bpy")
-FRAMES = 12
-
-
-def load() -> Any:
-    """The add-on as a package of its own name."""
-    folder = ROOT / "app/blender"
-    spec = importlib.util.spec_from_file_location(
-        "drape_blender",
-        folder / "__init__.py",
-        submodule_search_locations=[str(folder)],
-    )
-    assert spec and spec.loader
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["drape_blender"] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-@pytest.fixture
-def addon() -> Iterator[Any]:
-    """The add-on, in an empty scene of 13 frames at 30 a second."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    module = load()
-    module.register()
-    scene = bpy.context.scene
-    scene.frame_start, scene.frame_end, scene.render.fps = 5, 5 + FRAMES, 30
-    yield module
-    module.unregister()
-
-
-def sheet(name: str = "sheet", m: int = 13, n: int = 9) -> Any:
-    """A cloth of 0.6 m × 0.4 m, turned, 0.32 m above the ground."""
-    bpy.ops.mesh.primitive_grid_add(
-        x_subdivisions=m - 1,
-        y_subdivisions=n - 1,
-        size=1,
-        location=(0, 0, 0.32),
-        rotation=(0, 0, 0.3),
-    )
-    thing = bpy.context.object
-    thing.name, thing.scale = name, (0.6, 0.4, 1)
-    thing.drape.role, thing.drape.fabric = "CLOTH", "cotton"
-    return thing
-
-
-def ball(moving: bool = False) -> Any:
-    """A body of radius 0.15 m, which may move along x."""
-    bpy.ops.mesh.primitive_uv_sphere_add(
-        radius=0.15, location=(0, 0, 0.16), segments=16, ring_count=8
-    )
-    thing = bpy.context.object
-    thing.name, thing.drape.role = "ball", "BODY"
-    if moving:
-        thing.keyframe_insert("location", index=0, frame=5)
-        thing.location.x = 0.1
-        thing.keyframe_insert("location", index=0, frame=5 + FRAMES)
-    return thing
-
-
-def shown(thing: Any, frame: int) -> np.ndarray:
-    """The vertices of an object in the world at a frame."""
-    bpy.context.scene.frame_set(frame)
-    mesh = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    pose = np.array(mesh.matrix_world)
-    x = np.array([v.co for v in mesh.data.vertices])
-    return x @ pose[:3, :3].T + pose[:3, 3]
-
-
-def triangles(thing: Any) -> np.ndarray:
-    """The triangles of an object."""
-    mesh = thing.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-    mesh.calc_loop_triangles()
-    return np.array([t.vertices for t in mesh.loop_triangles], np.int32)
 
 
 def test_every_fabric_is_offered(addon: Any) -> None:
@@ -138,22 +66,20 @@ def test_a_baked_cloth_falls_upright_and_apart(addon: Any) -> None:
         assert drape.audit(both, tri, group.astype(np.int32)).count == 0
 
 
-def test_frames_are_those_of_the_world(addon: Any) -> None:
+def test_frames_are_those_of_the_world(addon: Any, tmp_path: Path) -> None:
     cloth = sheet()
     ball()
     scene = bpy.context.scene
     scene.drape.steps = 3
     assert bpy.ops.drape.bake() == {"FINISHED"}
-    cloths = [addon.bake._cloth(cloth)]
-    body = addon.bake.Body(bpy.data.objects["ball"], np.empty((0, 3), np.int32), [])
-    addon.bake._sample(scene, cloths, [body])
-    world = drape.World(addon.bake._definition(scene, cloths, [body]))
+    definition, [made], _ = addon.bake.prepare(scene, tmp_path)
+    world = drape.World(definition)
     assert world.steps_per_frame == 3 and abs(world.dt - 1 / 90) < 1e-15
     for frame in range(FRAMES + 1):
         x = np.asarray(world.positions[world.bodies[0].vertices], np.float64)
-        rows = cloths[0].rows.ravel()
+        rows = made.made.rows.ravel()
         got = shown(cloth, 5 + frame)[rows]
-        assert np.allclose(got, addon.bake.to_blender(x), atol=1e-6), frame
+        assert np.allclose(got, addon.cloth.to_blender(x), atol=1e-6), frame
         world.step(3)
 
 
@@ -206,18 +132,11 @@ def test_a_bake_that_is_ended_leaves_what_was_there(addon: Any) -> None:
     assert not list(path.parent.glob("*.part"))
 
 
-def refused(words: str) -> None:
-    """Baking is refused by one line with these words."""
-    with pytest.raises(RuntimeError) as error:
-        bpy.ops.drape.bake()
-    assert words in str(error.value) and str(error.value).strip().count("\n") == 0
-
-
 def test_faults_name_the_object(addon: Any) -> None:
     refused("no object of the scene is a cloth")
     bpy.ops.mesh.primitive_uv_sphere_add()
     bpy.context.object.drape.role = "CLOTH"
-    refused("Sphere: expected")
+    refused("Sphere: it is no grid of quads, expected")
     bpy.context.object.drape.role = "NONE"
     cloth = sheet()
     body = ball()
@@ -230,7 +149,7 @@ def test_faults_name_the_object(addon: Any) -> None:
 
 
 def test_grids_are_found_in_any_order(addon: Any) -> None:
-    grid = addon.bake.grid
+    grid = addon.cloth.grid
     rng = np.random.default_rng(7)
     for m, n in ((2, 2), (2, 5), (6, 2), (7, 4)):
         number = np.arange(m * n).reshape(n, m)
