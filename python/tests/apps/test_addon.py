@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import zipfile
@@ -31,19 +32,78 @@ def test_every_fabric_is_offered(addon: Any) -> None:
 
 
 def test_the_pack_names_its_wheels(tmp_path: Path) -> None:
-    wheel, out = tmp_path / "some-1.whl", tmp_path / "out.zip"
+    wheel, out = tmp_path / "some-1-py3-none-any.whl", tmp_path / "out.zip"
     wheel.write_text("a wheel")
     pack = ROOT / "app/blender/pack.py"
     subprocess.run([sys.executable, pack, out, wheel], check=True)
     with zipfile.ZipFile(out) as archive:
         manifest = archive.read("blender_manifest.toml").decode()
         names = archive.namelist()
-    assert 'wheels = [\n    "./wheels/some-1.whl",\n]' in manifest
+    assert 'wheels = [\n    "./wheels/some-1-py3-none-any.whl",\n]' in manifest
     assert manifest.index("wheels") < manifest.index("[permissions]")
     modules = {p.name for p in pack.parent.glob("*.py")} - {"pack.py"}
-    assert {*modules, "fabrics.def", "wheels/some-1.whl"} < set(names)
+    assert {*modules, "fabrics.def", "wheels/some-1-py3-none-any.whl"} < set(names)
     version = (ROOT / "spec/drape.h").read_text().split('DRAPE_VERSION "')[1]
     assert f'version = "{version.split(chr(34))[0]}"' in manifest
+
+
+def packed(out: Path, *names: str) -> subprocess.CompletedProcess[str]:
+    """Packs wheels of these names, which are made."""
+    for name in names:
+        out.with_name(name).write_text("a wheel")
+    wheels = [out.with_name(name) for name in names]
+    pack = ROOT / "app/blender/pack.py"
+    return subprocess.run(
+        [sys.executable, pack, out, *wheels], capture_output=True, text=True
+    )
+
+
+def test_the_pack_names_its_platforms(tmp_path: Path) -> None:
+    both = "a-1-cp310-abi3-manylinux2014_x86_64.manylinux_2_17_x86_64.whl"
+    done = packed(tmp_path / "x.zip", both, "p-1-py3-none-any.whl")
+    assert done.returncode == 0, done.stderr
+    with zipfile.ZipFile(tmp_path / "x.zip") as archive:
+        manifest = archive.read("blender_manifest.toml").decode()
+    assert 'platforms = ["linux-x64"]\nwheels' in manifest
+    done = packed(tmp_path / "y.zip", both, "b-1-cp311-cp311-macosx_11_0_arm64.whl")
+    assert done.returncode == 1 and not (tmp_path / "y.zip").exists()
+    assert "b is for macos-arm64; a for linux-x64: expected wheels" in done.stderr
+    done = packed(tmp_path / "z.zip", "c-1-cp311-cp311-plan9_mips.whl")
+    assert done.returncode == 1 and "knows no platform plan9_mips" in done.stderr
+
+
+INSTALLED = """
+import sys
+import bpy
+bpy.ops.preferences.addon_enable(module="bl_pkg")
+bpy.ops.extensions.package_install_files(
+    filepath=sys.argv[1], repo="user_default", enable_on_install=True)
+root = bpy.utils.user_resource("EXTENSIONS")
+sys.path.insert(0, root + "/.local/lib/python3.11/site-packages")
+import drape
+assert drape.__file__.startswith(root), drape.__file__
+bpy.ops.mesh.primitive_grid_add(size=0.5, x_subdivisions=9, y_subdivisions=9)
+bpy.context.object.drape.role = "CLOTH"
+bpy.context.scene.frame_end = 5
+assert bpy.ops.drape.bake() == {"FINISHED"}
+"""
+
+
+def test_blender_installs_the_pack(tmp_path: Path) -> None:
+    wheels = sorted((ROOT / "dist").glob("drape_cloth-*.whl"))
+    if not wheels:
+        pytest.skip("there is no wheel in dist: make wheel")
+    out = tmp_path / "drape.zip"
+    pack = ROOT / "app/blender/pack.py"
+    subprocess.run([sys.executable, pack, out, wheels[-1]], check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", INSTALLED, out],
+        env={**os.environ, "BLENDER_USER_RESOURCES": str(tmp_path / "user")},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "Info: drape: 5 frames, 12 steps, 0 not clean" in done.stdout
 
 
 def test_a_baked_cloth_falls_upright_and_apart(addon: Any) -> None:
