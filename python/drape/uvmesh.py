@@ -266,7 +266,11 @@ class _Cut:
         count: of particles
         vertex: [corners] of the mesh, each once for the chart
         of, part: [corners, 3] the particles that carry it, and by how much
+        on: the particles that its cells have, and the corners that these are on
+            likewise; None: nobody has asked yet
     """
+
+    on: tuple[Array, Array, Array] | None = None
 
     def __init__(self, mesh: UVMesh, k: int, scale: float, cloth: Any) -> None:
         m, n = int(cloth.m), int(cloth.n)
@@ -284,10 +288,12 @@ class _Cut:
 
     def sampled(self, mesh: UVMesh, values: Array) -> Array:
         """What its particles have of values of the mesh's vertices, [n, k]."""
-        there = np.unique(self.triangles)
         sheet = mesh._sheet
-        tri = sheet.triangles(self.k)
-        of, part = _inside.locate(sheet.plane, tri, self.rest[there])
+        if self.on is None:
+            there = np.unique(self.triangles)
+            tri = sheet.triangles(self.k)
+            self.on = there, *_inside.locate(sheet.plane, tri, self.rest[there])
+        there, of, part = self.on
         made = np.full((self.count, values.shape[1]), np.nan)
         made[there] = (values[sheet.vertex][of] * part[:, :, None]).sum(1)
         return made
