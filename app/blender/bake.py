@@ -34,6 +34,17 @@ def _placed(x: Positions, matrix: Any) -> Positions:
     return x @ pose[:3, :3].T + pose[:3, 3]
 
 
+def _evaluated(thing: Any, graph: Any) -> Any:
+    """The object as Blender computes it now, with its modifiers and its motion."""
+    shown = thing.evaluated_get(graph)
+    if not shown.is_evaluated:
+        raise BakeError(
+            f"{thing.name}: it is disabled in viewports, so Blender does not compute "
+            "it: enable it, or give it no role"
+        )
+    return shown
+
+
 class Cloth:
     """A cloth object: what drape makes of it, and where its pins go."""
 
@@ -74,7 +85,7 @@ class Cloth:
 
     def sample(self, graph: Any) -> None:
         """Adds the object as it is now, by the modifiers that lead it."""
-        shown = self.thing.evaluated_get(graph)
+        shown = _evaluated(self.thing, graph)
         self.poses.append(np.array(shown.matrix_world))
         if self.shapes and self.weights is None:
             return
@@ -153,7 +164,7 @@ class Body:
 
     def sample(self, graph: Any, frame: int) -> None:
         """Adds the object as it is now, with its modifiers."""
-        shown = self.thing.evaluated_get(graph)
+        shown = _evaluated(self.thing, graph)
         mesh = shown.to_mesh()
         try:
             mesh.calc_loop_triangles()
@@ -397,6 +408,11 @@ def bake(scene: Any) -> Iterator[tuple[Result, int]]:
         for cloth in cloths:
             caches.append(_Cache(cloth, frames, scene.frame_start))
         result = Result(notes=[*winds.notes, *(n for c in cloths for n in c.notes)])
+        if (unit := scene.unit_settings.scale_length) != 1:
+            result.notes.append(
+                f"the scene's unit scale {unit:g} has no effect: a unit of Blender is "
+                "taken for a metre"
+            )
         for whole in _frames(world, cloths, winds, result):
             if whole:
                 x = world.read()[0]

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import bpy
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,8 +22,15 @@ class Winds:
     """
 
     def __init__(self, scene: Any) -> None:
-        """Finds the fields."""
-        fields = [o for o in scene.objects if o.field and o.field.type != "NONE"]
+        """Finds the fields of objects that Blender computes."""
+        graph = bpy.context.evaluated_depsgraph_get()
+        fields = [
+            o
+            for o in scene.objects
+            if o.field
+            and o.field.type != "NONE"
+            and o.evaluated_get(graph).is_evaluated
+        ]
         fields.sort(key=lambda each: each.name)
         self.things = [o for o in fields if o.field.type == "WIND"]
         self.names = ", ".join(o.name for o in self.things)

@@ -287,6 +287,40 @@ def test_groups_weights_and_fields_are_named(addon: Any, capfd: Any) -> None:
     assert "Turbulence: a force field of kind Turbulence has no effect" in said
 
 
+def test_what_is_hidden_and_units_are_named(addon: Any, capfd: Any) -> None:
+    sheet()
+    body = ball()
+    bpy.context.scene.unit_settings.scale_length = 0.01
+    body.hide_set(True)  # Blender computes it all the same
+    assert "unit scale 0.01 has no effect: a unit of Blender is taken" in warned(capfd)
+    body.hide_viewport = True
+    refused("ball: it is disabled in viewports, so Blender does not compute it")
+    body.drape.role = "NONE"
+    bpy.ops.object.effector_add(type="WIND")
+    wind = bpy.context.object
+    wind.field.noise = 1
+    assert "Wind: its noise has no effect" in warned(capfd)
+    wind.hide_viewport = True
+    assert "noise" not in warned(capfd)
+
+
+def test_sheets_and_garments_together(addon: Any, tmp_path: Path, capfd: Any) -> None:
+    """The garment is the first by its name, and the last in drape."""
+    worn, top = skirt(tmp_path)
+    worn.name = "a skirt"
+    cloth = sheet()
+    cloth.vertex_groups.new(name="held").add([0], 1.0, "REPLACE")
+    cloth.drape.pins = "held"
+    cloth.location.x = 2
+    starts = [shown(thing, 5) for thing in (worn, cloth)]
+    assert warned(capfd) == "Info: drape: 13 frames, 24 steps, 0 not clean\n"
+    for thing, start, pinned in zip((worn, cloth), starts, (top, [0]), strict=True):
+        way = np.linalg.norm(shown(thing, END) - start, axis=1)
+        assert way[pinned].max() < 0.004 and 0.002 < way.max() < 1
+    assert np.abs(shown(worn, 5) - starts[0]).max() < 0.004
+    assert np.abs(shown(cloth, 5) - starts[1]).max() < 1e-6
+
+
 def test_what_cannot_be_taken_says_what_could(addon: Any) -> None:
     bpy.ops.mesh.primitive_cone_add()
     cone = bpy.context.object
@@ -316,3 +350,61 @@ def test_frames_show_while_they_bake(addon: Any) -> None:
     next(work)
     work.close()
     assert np.array_equal(shown(cloth, END), end)
+
+
+class Window:
+    """What a bake with a window asks of it."""
+
+    def __init__(self) -> None:
+        self.scene, self.window, self.window_manager = bpy.context.scene, None, self
+        self.timers = 0
+        self.progress: list[float] = []
+        self.progress_update = self.progress.append
+
+    def progress_begin(self, _low: float, _high: float) -> None: ...
+
+    def progress_end(self) -> None: ...
+
+    def modal_handler_add(self, _operator: Any) -> None: ...
+
+    def event_timer_add(self, _seconds: float, window: Any) -> Any:
+        assert window is self.window
+        self.timers += 1
+        return self
+
+    def event_timer_remove(self, _timer: Any) -> None:
+        self.timers -= 1
+
+
+def operator(addon: Any) -> Any:
+    """The operator, without Blender's own part, which wants a window."""
+    said: list[str] = []
+    inner = {k: v for k, v in vars(addon.DRAPE_OT_bake).items() if k[:2] != "__"}
+    inner["report"] = lambda _self, _kind, words: said.append(words)
+    inner["said"] = said
+    return type("Operator", (), inner)()
+
+
+def test_a_window_shows_frames_and_esc_ends(addon: Any) -> None:
+    from types import SimpleNamespace
+
+    cloth, window = sheet(), Window()
+    made, scene = operator(addon), bpy.context.scene
+    scene.frame_set(7)
+    tick, key = SimpleNamespace(type="TIMER"), SimpleNamespace(type="ESC")
+    assert made.invoke(window, None) == {"RUNNING_MODAL"} and window.timers == 1
+    frames = []
+    for _ in range(8):
+        assert made.modal(window, tick) == {"RUNNING_MODAL"}
+        frames.append(scene.frame_current)
+    assert frames == [5, 5, 6, 6, 7, 7, 8, 8]  # two steps a frame
+    assert made.modal(window, SimpleNamespace(type="MOUSEMOVE")) == {"PASS_THROUGH"}
+    assert made.modal(window, key) == {"CANCELLED"} and window.timers == 0
+    assert scene.frame_current == 7 and not cloth.modifiers
+    assert made.said == ["drape: the bake was ended; nothing has changed"]
+    made.invoke(window, None)
+    while (end := made.modal(window, tick)) == {"RUNNING_MODAL"}:
+        pass
+    assert end == {"FINISHED"} and cloth.drape.baked == FRAMES + 1
+    assert scene.frame_current == 7 and window.progress[-1] == 1
+    assert made.said[-1] == "drape: 13 frames, 24 steps, 0 not clean"
