@@ -122,8 +122,7 @@ class Cloth:
         if not self.held.any():
             raise BakeError(
                 f"{self.name}: pins: no particle has a weight above 0.5 of "
-                f"{self.thing.drape.pins}; are there {1000 * self.thing.drape.cell:g} "
-                "mm between its vertices?"
+                f"{self.thing.drape.pins}; a garment of smaller cells may have one"
             )
         for k, body in enumerate(bodies):
             here = slice(body.vertices.start - start, body.vertices.stop - start)

@@ -32,10 +32,12 @@ def _kinds() -> dict[str, str]:
 
 def leaders(thing: Any) -> int:
     """The number of modifiers, from the first on, that lead an object, without the
-    one that shows what is baked."""
+    one that shows what is baked. Those that are off are no matter."""
     kinds = _kinds()
     others = [m for m in thing.modifiers if m.name != NAME]
     for k, modifier in enumerate(others):
+        if not modifier.show_viewport:
+            continue
         if kinds[modifier.type] == "Physics" and modifier.type != "COLLISION":
             return k
         if kinds[modifier.type] == "Generate":

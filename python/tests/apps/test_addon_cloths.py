@@ -265,6 +265,12 @@ def test_modifiers_are_honoured_or_named(addon: Any, capfd: Any) -> None:
     assert len(fine) == 25 * 17 and abs(fine[:, 2].mean() - start[:, 2].mean()) < 1e-3
     assert start[:, 2].mean() > 0.4
     assert (fine - shown(cloth, END))[:, 2].max() > 0.3
+    cloth.modifiers.new("off", "BEVEL").show_viewport = False
+    cloth.modifiers.move(3, 0)
+    assert "Warning" not in warned(capfd)
+    assert [m.name for m in cloth.modifiers] == ["off", "cage", "drape", "finer"]
+    assert np.array_equal(shown(cloth, 5), fine)
+    cloth.modifiers.remove(cloth.modifiers["off"])
     cloth.modifiers.new("half", "MIRROR")
     cloth.modifiers.move(0, 3)
     said = warned(capfd)
