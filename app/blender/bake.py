@@ -124,6 +124,14 @@ class Cloth:
                 f"{self.name}: pins: no particle has a weight above 0.5 of "
                 f"{self.thing.drape.pins}; a garment of smaller cells may have one"
             )
+        # how much of each vertex is held by the particles that carry it
+        part = self.made.carried(np.repeat(self.held[:, None], 3, 1).astype(float))
+        free = int(((self.weights > 0.5) & (part[:, :1] < 0.5)).sum())
+        if free:
+            self.notes.append(
+                f"{self.name}: pins: of the vertices of {self.thing.drape.pins} {free} "
+                "stay free, as no particle is near; smaller cells have more"
+            )
         for k, body in enumerate(bodies):
             here = slice(body.vertices.start - start, body.vertices.stop - start)
             who = np.flatnonzero(self.held[here]).astype(np.int32)

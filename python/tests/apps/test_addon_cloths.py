@@ -293,6 +293,20 @@ def test_groups_weights_and_fields_are_named(addon: Any, capfd: Any) -> None:
     assert "Turbulence: a force field of kind Turbulence has no effect" in said
 
 
+def test_vertices_without_a_particle_are_named(
+    addon: Any, tmp_path: Path, capfd: Any
+) -> None:
+    thing, _ = skirt(tmp_path)
+    group = thing.vertex_groups["waist"]
+    assert "pins" not in warned(capfd)
+    group.remove(list(range(len(thing.data.vertices))))
+    group.add([207], 1.0, "REPLACE")
+    thing.drape.cell = 0.06
+    refused("skirt: pins: no particle has a weight above 0.5 of waist; a garment of")
+    group.add([0], 1.0, "REPLACE")  # in the corner of a chart, where a particle is
+    assert "pins: of the vertices of waist 1 stay free, as no" in warned(capfd)
+
+
 def test_what_is_hidden_and_units_are_named(addon: Any, capfd: Any) -> None:
     sheet()
     body = ball()
