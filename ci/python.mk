@@ -2,7 +2,7 @@
 # The Python package of python/: what its extension is linked of, its wheel and
 # its tests. python/README.md says how they fit together.
 
-.PHONY: wheel sdist venv check-python docs python-core
+.PHONY: wheel sdist venv blender check-python docs python-core
 PY     := $(BUILD)/python
 PIP    := $(PY)/venv/bin/python -m pip install -q
 
@@ -59,6 +59,14 @@ venv: wheel ## the package with its view and export: BUILD/venv/bin/drape, …/p
 	  python3 -m venv $(BUILD)/venv && $(BUILD)/venv/bin/python -m pip \
 	  install -q "$$(ls $(DIST)/*.whl)[view,export]"
 	@echo '$(BUILD)/venv/bin/drape view DIR; $(BUILD)/venv/bin/python: import drape'
+
+# Of the Python that Blender 4.2 to 5.0 have; NumPy is Blender's own.
+blender: wheel ## the extension for Blender: BUILD/drape-blender.zip
+	@rm -rf $(PY)/blender
+	@$(PY)/venv/bin/pip download -q -d $(PY)/blender --only-binary :all: \
+	  --python-version 3.11 cffi
+	$(call show,PACK $(BUILD)/drape-blender.zip)python3 app/blender/pack.py \
+	  $(BUILD)/drape-blender.zip $(DIST)/drape_cloth-*.whl $(PY)/blender/*.whl
 
 check-python: $(PY)/venv/made ## tests the package's wheel in a fresh environment
 	@sh python/check.sh $(BUILD)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """drape in Blender: marks objects as cloth or body, bakes, and scrubs.
 
-Select a mesh that is a grid of quads, make it a cloth in the sidebar's tab
-drape and choose its fabric; make other meshes bodies; bake. The timeline then
+Select a mesh that is a grid of quads, or a garment with UVs, make it a cloth in the
+sidebar's tab drape and choose its fabric; make other meshes bodies; bake. The timeline
 shows the result, which a Mesh Cache modifier reads.
 """
 
@@ -48,7 +48,7 @@ class DRAPE_PG_object(bpy.types.PropertyGroup):
         name="Role",
         items=[
             ("NONE", "None", "drape does not see this object"),
-            ("CLOTH", "Cloth", "A grid of quads that is simulated"),
+            ("CLOTH", "Cloth", "A grid of quads, or a garment of UV charts"),
             ("BODY", "Body", "A mesh that cloth collides with and does not push"),
         ],
     )
@@ -63,6 +63,22 @@ class DRAPE_PG_object(bpy.types.PropertyGroup):
         min=0,
         max=1,
         precision=4,
+    )
+    cell: FloatProperty(  # type: ignore[valid-type]
+        name="Cell",
+        description="Side of a garment's cells; a grid of quads has its own",
+        unit="LENGTH",
+        default=0.01,
+        min=0.001,
+        max=0.1,
+        precision=4,
+    )
+    strain: FloatProperty(  # type: ignore[valid-type]
+        name="Strain",
+        description="Of a chart against its UVs, above which these are no pattern",
+        default=0.05,
+        min=0,
+        max=1,
     )
     friction: FloatProperty(  # type: ignore[valid-type]
         name="Friction",
@@ -96,9 +112,10 @@ class DRAPE_OT_bake(bpy.types.Operator):
     bl_label = "Bake"
     _work: Iterator[tuple[bake.Result, int]]
     _timer: Any = None
+    _frames = 0  # that are shown
 
     def _advance(self, context: Any) -> set[str] | None:
-        """Makes a frame; returns what Blender wants at the end."""
+        """Makes a step; returns what Blender wants at the end."""
         try:
             self._result, frames = next(self._work)
         except StopIteration:
@@ -108,11 +125,16 @@ class DRAPE_OT_bake(bpy.types.Operator):
             self.report({"ERROR"}, f"drape: {error}")
             return {"CANCELLED"}
         context.window_manager.progress_update(self._result.frames / frames)
+        if self._timer and self._result.frames > self._frames:
+            self._frames = self._result.frames
+            context.scene.frame_set(context.scene.frame_start + self._frames - 1)
         return None
 
     def _done(self, context: Any) -> set[str]:
         self._clear(context)
         r = self._result
+        for note in r.notes:
+            self.report({"WARNING"}, f"drape: {note}")
         words = f"drape: {r.frames} frames, {r.steps} steps, {r.not_clean} not clean"
         self.report({"WARNING" if r.not_clean else "INFO"}, words)
         return {"FINISHED"}
@@ -123,6 +145,7 @@ class DRAPE_OT_bake(bpy.types.Operator):
         if self._timer:
             context.window_manager.event_timer_remove(self._timer)
             self._timer = None
+            context.scene.frame_set(self._before)
 
     def _begin(self, context: Any) -> bool:
         try:
@@ -144,7 +167,8 @@ class DRAPE_OT_bake(bpy.types.Operator):
         return end
 
     def invoke(self, context: Any, _event: Any) -> set[str]:
-        """Bakes a frame at each tick of a timer, so that Esc ends it."""
+        """Bakes a step at each tick of a timer, so that frames show and Esc ends it."""
+        self._before, self._frames = context.scene.frame_current, 0
         if not self._begin(context):
             return {"CANCELLED"}
         manager = context.window_manager
@@ -194,6 +218,8 @@ class DRAPE_PT_panel(bpy.types.Panel):
             if thing.drape.role == "CLOTH":
                 layout.prop(thing.drape, "fabric")
                 layout.prop_search(thing.drape, "pins", thing, "vertex_groups")
+                layout.prop(thing.drape, "cell")
+                layout.prop(thing.drape, "strain")
                 layout.prop(thing.drape, "thickness")
             if thing.drape.role != "NONE":
                 layout.prop(thing.drape, "friction")

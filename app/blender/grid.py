@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Finds the rows and columns of a mesh that is a rectangular grid of quads."""
+"""Finds the rows and columns of a mesh that is a grid of quads, with or without holes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 
 class NoGrid(ValueError):
-    """A mesh that is no rectangular grid of quads; the text says why."""
+    """A mesh that is no grid of quads; the text says why."""
 
 
 def _opposite(quad: tuple[int, ...], p: int, q: int) -> tuple[int, int]:
@@ -21,37 +21,27 @@ def _opposite(quad: tuple[int, ...], p: int, q: int) -> tuple[int, int]:
     return quad[(at + 1) % 4], quad[(at + 2) % 4]
 
 
-def _first(quads: list[tuple[int, ...]], count: int) -> tuple[int, int, int, int]:
-    """The first corner of the grid, its two neighbours and the quad there."""
-    uses = np.bincount(np.array(quads).ravel(), minlength=count)
-    corners = np.flatnonzero(uses == 1)
-    if len(corners) != 4 or (uses == 0).any():
-        raise NoGrid("expected a grid with four corners and no loose vertices")
-    corner = int(corners[0])
-    at = next(k for k, quad in enumerate(quads) if corner in quad)
-    place = quads[at].index(corner)
-    a, b = sorted((quads[at][(place + 1) % 4], quads[at][place - 1]))
-    return corner, a, b, at
-
-
 def order(quads: list[tuple[int, ...]], count: int) -> NDArray[np.int64]:
-    """Returns the vertices [n, m] of a grid of m columns and n rows.
+    """Returns the vertices [n, m] of a grid of m columns and n rows; -1 where it has
+    none.
 
-    Rows begin at the corner vertex of the lowest number and go towards the
-    lower of its two neighbours, so that the grids that Blender makes keep their
-    order. Raises NoGrid.
+    Rows go from the vertex of the lowest number towards the lower of two neighbours
+    of it, so that the grids that Blender makes keep their order. Raises NoGrid.
     """
     if not quads or any(len(quad) != 4 for quad in quads):
         raise NoGrid("expected faces of four vertices only")
-    corner, a, b, at = _first(quads, count)
+    first = min(map(min, quads))
+    at = next(k for k, quad in enumerate(quads) if first in quad)
+    corner = quads[at].index(first)
+    a, b = sorted((quads[at][(corner + 1) % 4], quads[at][corner - 1]))
     sides: dict[frozenset[int], list[int]] = defaultdict(list)
     for k, quad in enumerate(quads):
         for i in range(4):
             sides[frozenset((quad[i], quad[i - 1]))].append(k)
     if any(len(k) > 2 for k in sides.values()):
         raise NoGrid("expected at most two faces at an edge")
-    across = _opposite(quads[at], corner, a)[1]
-    place = {corner: (0, 0), a: (1, 0), b: (0, 1), across: (1, 1)}
+    across = _opposite(quads[at], first, a)[1]
+    place = {first: (0, 0), a: (1, 0), b: (0, 1), across: (1, 1)}
     todo, done = [at], {at}
     while todo:
         quad = quads[todo.pop()]
@@ -74,24 +64,46 @@ def order(quads: list[tuple[int, ...]], count: int) -> NDArray[np.int64]:
                     )
                     if place.setdefault(far, x) != x:
                         raise NoGrid("its rows and columns do not fit together")
-    return _rectangle(place, count)
+    if len(place) != count:
+        raise NoGrid("expected one piece without loose vertices")
+    return _laid(place)
 
 
-def _rectangle(place: dict[int, tuple[int, ...]], count: int) -> NDArray[np.int64]:
-    """The vertices by their places, which must fill a rectangle from (0, 0)."""
+def _laid(place: dict[int, tuple[int, ...]]) -> NDArray[np.int64]:
+    """The vertices by their places, of which each has one."""
     vertices = np.array(list(place))
-    i, j = np.array(list(place.values())).T
+    at = np.array(list(place.values()))
+    at -= at.min(0)
+    i, j = at.T
     m, n = int(i.max()) + 1, int(j.max()) + 1
-    flat = np.unique(i + m * j)
-    if min(i.min(), j.min()) < 0 or not len(flat) == m * n == count == len(place):
-        raise NoGrid("expected a whole rectangle of quads, without holes")
-    rows = np.empty((n, m), np.int64)
+    if len(np.unique(i + m * j)) != len(at):
+        raise NoGrid("it lies twice on its rows and columns")
+    rows = np.full((n, m), -1)
     rows[j, i] = vertices
     return rows
 
 
-def size(x: NDArray[np.float64]) -> tuple[float, float]:
-    """The mean lengths, m, of the rows and columns of positions [n, m, 3]."""
-    along = np.linalg.norm(np.diff(x, axis=1), axis=2).sum(1).mean()
-    across = np.linalg.norm(np.diff(x, axis=0), axis=2).sum(0).mean()
-    return float(along), float(across)
+def missing(
+    rows: NDArray[np.int64], quads: list[tuple[int, ...]]
+) -> list[tuple[int, int]]:
+    """The cells (column, row) of a grid that are no quads."""
+    there = {frozenset(quad) for quad in quads}
+    n, m = rows.shape
+    return [
+        (i, j)
+        for j in range(n - 1)
+        for i in range(m - 1)
+        if frozenset(rows[j : j + 2, i : i + 2].ravel().tolist()) not in there
+    ]
+
+
+def size(x: NDArray[np.float64]) -> tuple[float, float, float]:
+    """The lengths, m, of the rows and columns of positions [n, m, 3], by the mean of
+    their edges, and how uneven these are: the root mean square of their strains
+    against it. NaN: there is no vertex."""
+    along = np.linalg.norm(np.diff(x, axis=1), axis=2)
+    across = np.linalg.norm(np.diff(x, axis=0), axis=2)
+    h, g = float(np.nanmean(along)), float(np.nanmean(across))
+    strains = np.concatenate([along.ravel() / h - 1, across.ravel() / g - 1])
+    uneven = float(np.sqrt(np.nanmean(strains**2)))
+    return h * along.shape[1], g * across.shape[0], uneven

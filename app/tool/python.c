@@ -8,18 +8,20 @@
 #include <string.h>
 #include <unistd.h>
 
-/* The Python program that runs the command named by its first argument. It
- * takes the working directory out of the module path, so that a file that lies
- * there cannot stand in for one of Python's own modules. */
+/* The Python program that runs the command named by its first argument, whose
+ * forms have a hyphen behind the command's own name. It takes the working
+ * directory out of the module path, so that a file that lies there cannot stand
+ * in for one of Python's own modules. */
 static char program[] =
     "import sys\n"
     "sys.path[:] = [p for p in sys.path if p]\n"
     "try:\n"
     "    from drape.__main__ import main\n"
     "except ImportError as error:\n"
-    "    print(f'drape: {sys.argv[1]}: python3 cannot import the package drape "
+    "    name = sys.argv[1].partition('-')[0]\n"
+    "    print(f'drape: {name}: python3 cannot import the package drape "
     "({error}). In its source: make venv, then build/venv/bin/drape "
-    "{sys.argv[1]}', file=sys.stderr)\n"
+    "{name}', file=sys.stderr)\n"
     "    sys.exit(3)\n"
     "sys.exit(main(sys.argv[1:]))\n";
 
@@ -42,9 +44,9 @@ int become_python(char *name, int argc, char **argv)
     free(words);
     return complain(
         APP_FAILED,
-        "%s: python3 cannot be started: %s; this command is part of "
+        "%.*s: python3 cannot be started: %s; this command is part of "
         "the Python package drape",
-        name, strerror(fault));
+        (int)strcspn(name, "-"), name, strerror(fault));
 }
 
 /* Checks the arguments, so that a wrong command line is refused as by any other

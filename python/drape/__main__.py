@@ -58,8 +58,10 @@ def _call(name: str, words: Sequence[str]) -> int:
     from drape.export.console import FAILED, INTERRUPTED, complain
 
     before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    module = COMMANDS[name]
+    name = name.partition("-")[0]
     try:
-        return int(importlib.import_module(COMMANDS[name]).main(words))
+        return int(importlib.import_module(module).main(words))
     except KeyboardInterrupt:
         return complain(INTERRUPTED, f"{name}: interrupted")
     except OSError as error:

@@ -239,6 +239,11 @@ class Control:
         g = scenes.array(gravity, (3,), "gravity")
         self._call("drape_set_gravity", "gravity", g.tolist())
 
+    @property
+    def seams(self) -> int:
+        """How many seams there are, which have the numbers from 0 on."""
+        return int(self._open().definition.n_seams)
+
     def seam(self, seam: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Returns what a seam is like: the gap of each point, [points, 3] m, its
         particle minus its place, and the seam's pull on the particle, [points, 3] N.
@@ -268,9 +273,8 @@ class Control:
     def _points(self, seam: int) -> int:
         """Returns how many points a seam has."""
         definition = self._open().definition
-        if not 0 <= scenes.whole(seam, "seam") < definition.n_seams:
-            count = definition.n_seams
-            raise SceneError(f"seam {seam}: there is no such seam, of {count}")
+        if not 0 <= scenes.whole(seam, "seam") < self.seams:
+            raise SceneError(f"seam {seam}: there is no such seam, of {self.seams}")
         return int(definition.seams[seam].n)
 
     def set_material(

@@ -182,7 +182,25 @@ class UVMesh:
     def start(self, cell: float = CELL) -> Array:
         """Returns where the particles of its panels are on the mesh, [particles, 3] m,
         in the order of the charts."""
-        return np.concatenate([each.start(self) for each in self._cut(cell)])
+        parts = []
+        for each in self._cut(cell):
+            x = each.sampled(self, self.vertices)
+            there = ~np.isnan(x[:, 0])
+            x[~there] = x[there].mean(0)  # those that no cell has are anywhere
+            parts.append(x)
+        return np.concatenate(parts)
+
+    def sampled(self, values: Any, cell: float = CELL) -> Array:
+        """Returns what the particles have of values of its vertices, as weights of
+        paint or where an animation has them, [particles, k]: each by the triangle of
+        the chart that it is in. NaN where no cell has the particle.
+
+        Args:
+            values: [n, k]
+            cell: m, side of a cell
+        """
+        given = scenes.array(values, (len(self.vertices), None), "values")
+        return np.concatenate([each.sampled(self, given) for each in self._cut(cell)])
 
     def carried(self, positions: Any, cell: float = CELL) -> Array:
         """Returns where its vertices are, [n, 3] m, when its particles are at
@@ -248,7 +266,11 @@ class _Cut:
         count: of particles
         vertex: [corners] of the mesh, each once for the chart
         of, part: [corners, 3] the particles that carry it, and by how much
+        on: the particles that its cells have, and the corners that these are on
+            likewise; None: nobody has asked yet
     """
+
+    on: tuple[Array, Array, Array] | None = None
 
     def __init__(self, mesh: UVMesh, k: int, scale: float, cloth: Any) -> None:
         m, n = int(cloth.m), int(cloth.n)
@@ -264,17 +286,16 @@ class _Cut:
             self.rest, self.triangles, mesh._sheet.plane[corners]
         )
 
-    def start(self, mesh: UVMesh) -> Array:
-        """Where its particles are on the mesh."""
-        there = np.unique(self.triangles)
+    def sampled(self, mesh: UVMesh, values: Array) -> Array:
+        """What its particles have of values of the mesh's vertices, [n, k]."""
         sheet = mesh._sheet
-        tri = sheet.triangles(self.k)
-        of, part = _inside.locate(sheet.plane, tri, self.rest[there])
-        x = mesh.vertices[sheet.vertex]
-        found = (x[of] * part[:, :, None]).sum(1)
-        # those that no cell has are anywhere
-        made = np.repeat(found.mean(0)[None], self.count, axis=0)
-        made[there] = found
+        if self.on is None:
+            there = np.unique(self.triangles)
+            tri = sheet.triangles(self.k)
+            self.on = there, *_inside.locate(sheet.plane, tri, self.rest[there])
+        there, of, part = self.on
+        made = np.full((self.count, values.shape[1]), np.nan)
+        made[there] = (values[sheet.vertex][of] * part[:, :, None]).sum(1)
         return made
 
 

@@ -107,7 +107,14 @@ def test_a_skirt_comes_back(tmp_path: Path) -> None:
     world = drape.World(drape.Scene(garments=[garment], obstacles=[ball]))
     assert [each.name for each in world.bodies][:2] == ["skirt.left", "skirt.right"]
     assert world.step(3).clean
+    assert world.seams == 2
     count = world.bodies[1].vertices.stop
+    heights = mesh.sampled(mesh.vertices[:, 1:2], CELL)[:, 0]
+    there = ~np.isnan(heights)
+    assert heights.shape == (count,) and 0.9 < there.mean() <= 1
+    assert np.array_equal(heights[there], mesh.start(CELL)[there, 1])
+    with pytest.raises(drape.SceneError, match="values: 1 × 2; expected"):
+        mesh.sampled([[1, 2]], CELL)
     mesh.save(tmp_path / "now.obj", mesh.carried(world.positions[:count], CELL))
     assert parts(tmp_path / "now.obj")[1] == was[1]
 

@@ -291,6 +291,8 @@ env PATH=/nowhere "$drape" view 2>err
 is 'view: what is missing' grep -q '^drape: view: expected one DIR' err
 fails 'export without Python' 'export: python3 cannot be started' \
     env PATH=/nowhere "$drape" export 'an out' --to x.usdc
+fails 'sew of a mesh without Python' 'drape: sew: python3 cannot be started' \
+    env PATH=/nowhere "$drape" sew a.obj
 # A Python that writes down how it is called: the package gets all words but those
 # that are the tool's.
 mkdir words
@@ -319,3 +321,8 @@ fails 'view without the package' 'view: python3 cannot import the package' \
     env PATH="$work/no_package:$PATH" "$drape" view 'an out'
 is 'and the line that is missing' grep -qF \
     'make venv, then build/venv/bin/drape view' err
+fails 'sew of a mesh without the package' \
+    'drape: sew: python3 cannot import the package' \
+    env PATH="$work/no_package:$PATH" "$drape" sew a.obj
+is 'and its line that is missing' grep -qE \
+    'make venv, then build/venv/bin/drape sew$' err

@@ -32,3 +32,4 @@ class PointCache(Closing):
         if x.shape != self._shape:
             raise ValueError(f"expected {self._shape}, not {x.shape}")
         self._file.write(np.ascontiguousarray(x, "<f4").tobytes())
+        self._file.flush()  # so that it can be read while it is written

@@ -3,11 +3,10 @@
 
 from __future__ import annotations
 
-import importlib.util
+import os
 import subprocess
 import sys
 import zipfile
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -16,82 +15,12 @@ import pytest
 from needs import need
 
 import drape
+from apps.addon import FRAMES, addon, ball, refused, sheet, shown, triangles
 from apps.runs import ROOT, tool
 
+__all__ = ["addon"]
+
 bpy = need("bpy")
-FRAMES = 12
-
-
-def load() -> Any:
-    """The add-on as a package of its own name."""
-    folder = ROOT / "app/blender"
-    spec = importlib.util.spec_from_file_location(
-        "drape_blender",
-        folder / "__init__.py",
-        submodule_search_locations=[str(folder)],
-    )
-    assert spec and spec.loader
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["drape_blender"] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-@pytest.fixture
-def addon() -> Iterator[Any]:
-    """The add-on, in an empty scene of 13 frames at 30 a second."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    module = load()
-    module.register()
-    scene = bpy.context.scene
-    scene.frame_start, scene.frame_end, scene.render.fps = 5, 5 + FRAMES, 30
-    yield module
-    module.unregister()
-
-
-def sheet(name: str = "sheet", m: int = 13, n: int = 9) -> Any:
-    """A cloth of 0.6 m × 0.4 m, turned, 0.32 m above the ground."""
-    bpy.ops.mesh.primitive_grid_add(
-        x_subdivisions=m - 1,
-        y_subdivisions=n - 1,
-        size=1,
-        location=(0, 0, 0.32),
-        rotation=(0, 0, 0.3),
-    )
-    thing = bpy.context.object
-    thing.name, thing.scale = name, (0.6, 0.4, 1)
-    thing.drape.role, thing.drape.fabric = "CLOTH", "cotton"
-    return thing
-
-
-def ball(moving: bool = False) -> Any:
-    """A body of radius 0.15 m, which may move along x."""
-    bpy.ops.mesh.primitive_uv_sphere_add(
-        radius=0.15, location=(0, 0, 0.16), segments=16, ring_count=8
-    )
-    thing = bpy.context.object
-    thing.name, thing.drape.role = "ball", "BODY"
-    if moving:
-        thing.keyframe_insert("location", index=0, frame=5)
-        thing.location.x = 0.1
-        thing.keyframe_insert("location", index=0, frame=5 + FRAMES)
-    return thing
-
-
-def shown(thing: Any, frame: int) -> np.ndarray:
-    """The vertices of an object in the world at a frame."""
-    bpy.context.scene.frame_set(frame)
-    mesh = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    pose = np.array(mesh.matrix_world)
-    x = np.array([v.co for v in mesh.data.vertices])
-    return x @ pose[:3, :3].T + pose[:3, 3]
-
-
-def triangles(thing: Any) -> np.ndarray:
-    """The triangles of an object."""
-    mesh = thing.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-    mesh.calc_loop_triangles()
-    return np.array([t.vertices for t in mesh.loop_triangles], np.int32)
 
 
 def test_every_fabric_is_offered(addon: Any) -> None:
@@ -103,19 +32,78 @@ def test_every_fabric_is_offered(addon: Any) -> None:
 
 
 def test_the_pack_names_its_wheels(tmp_path: Path) -> None:
-    wheel, out = tmp_path / "some-1.whl", tmp_path / "out.zip"
+    wheel, out = tmp_path / "some-1-py3-none-any.whl", tmp_path / "out.zip"
     wheel.write_text("a wheel")
     pack = ROOT / "app/blender/pack.py"
     subprocess.run([sys.executable, pack, out, wheel], check=True)
     with zipfile.ZipFile(out) as archive:
         manifest = archive.read("blender_manifest.toml").decode()
         names = archive.namelist()
-    assert 'wheels = [\n    "./wheels/some-1.whl",\n]' in manifest
+    assert 'wheels = [\n    "./wheels/some-1-py3-none-any.whl",\n]' in manifest
     assert manifest.index("wheels") < manifest.index("[permissions]")
     modules = {p.name for p in pack.parent.glob("*.py")} - {"pack.py"}
-    assert {*modules, "fabrics.def", "wheels/some-1.whl"} < set(names)
+    assert {*modules, "fabrics.def", "wheels/some-1-py3-none-any.whl"} < set(names)
     version = (ROOT / "spec/drape.h").read_text().split('DRAPE_VERSION "')[1]
     assert f'version = "{version.split(chr(34))[0]}"' in manifest
+
+
+def packed(out: Path, *names: str) -> subprocess.CompletedProcess[str]:
+    """Packs wheels of these names, which are made."""
+    for name in names:
+        out.with_name(name).write_text("a wheel")
+    wheels = [out.with_name(name) for name in names]
+    pack = ROOT / "app/blender/pack.py"
+    return subprocess.run(
+        [sys.executable, pack, out, *wheels], capture_output=True, text=True
+    )
+
+
+def test_the_pack_names_its_platforms(tmp_path: Path) -> None:
+    both = "a-1-cp310-abi3-manylinux2014_x86_64.manylinux_2_17_x86_64.whl"
+    done = packed(tmp_path / "x.zip", both, "p-1-py3-none-any.whl")
+    assert done.returncode == 0, done.stderr
+    with zipfile.ZipFile(tmp_path / "x.zip") as archive:
+        manifest = archive.read("blender_manifest.toml").decode()
+    assert 'platforms = ["linux-x64"]\nwheels' in manifest
+    done = packed(tmp_path / "y.zip", both, "b-1-cp311-cp311-macosx_11_0_arm64.whl")
+    assert done.returncode == 1 and not (tmp_path / "y.zip").exists()
+    assert "b is for macos-arm64; a for linux-x64: expected wheels" in done.stderr
+    done = packed(tmp_path / "z.zip", "c-1-cp311-cp311-plan9_mips.whl")
+    assert done.returncode == 1 and "knows no platform plan9_mips" in done.stderr
+
+
+INSTALLED = """
+import sys
+import bpy
+bpy.ops.preferences.addon_enable(module="bl_pkg")
+bpy.ops.extensions.package_install_files(
+    filepath=sys.argv[1], repo="user_default", enable_on_install=True)
+root = bpy.utils.user_resource("EXTENSIONS")
+sys.path.insert(0, root + "/.local/lib/python3.11/site-packages")
+import drape
+assert drape.__file__.startswith(root), drape.__file__
+bpy.ops.mesh.primitive_grid_add(size=0.5, x_subdivisions=9, y_subdivisions=9)
+bpy.context.object.drape.role = "CLOTH"
+bpy.context.scene.frame_end = 5
+assert bpy.ops.drape.bake() == {"FINISHED"}
+"""
+
+
+def test_blender_installs_the_pack(tmp_path: Path) -> None:
+    wheels = sorted((ROOT / "dist").glob("drape_cloth-*.whl"))
+    if not wheels:
+        pytest.skip("there is no wheel in dist: make wheel")
+    out = tmp_path / "drape.zip"
+    pack = ROOT / "app/blender/pack.py"
+    subprocess.run([sys.executable, pack, out, wheels[-1]], check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", INSTALLED, out],
+        env={**os.environ, "BLENDER_USER_RESOURCES": str(tmp_path / "user")},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "Info: drape: 5 frames, 12 steps, 0 not clean" in done.stdout
 
 
 def test_a_baked_cloth_falls_upright_and_apart(addon: Any) -> None:
@@ -138,22 +126,20 @@ def test_a_baked_cloth_falls_upright_and_apart(addon: Any) -> None:
         assert drape.audit(both, tri, group.astype(np.int32)).count == 0
 
 
-def test_frames_are_those_of_the_world(addon: Any) -> None:
+def test_frames_are_those_of_the_world(addon: Any, tmp_path: Path) -> None:
     cloth = sheet()
     ball()
     scene = bpy.context.scene
     scene.drape.steps = 3
     assert bpy.ops.drape.bake() == {"FINISHED"}
-    cloths = [addon.bake._cloth(cloth)]
-    body = addon.bake.Body(bpy.data.objects["ball"], np.empty((0, 3), np.int32), [])
-    addon.bake._sample(scene, cloths, [body])
-    world = drape.World(addon.bake._definition(scene, cloths, [body]))
+    definition, [made], _ = addon.bake.prepare(scene, tmp_path)
+    world = drape.World(definition)
     assert world.steps_per_frame == 3 and abs(world.dt - 1 / 90) < 1e-15
     for frame in range(FRAMES + 1):
         x = np.asarray(world.positions[world.bodies[0].vertices], np.float64)
-        rows = cloths[0].rows.ravel()
+        rows = made.made.rows.ravel()
         got = shown(cloth, 5 + frame)[rows]
-        assert np.allclose(got, addon.bake.to_blender(x), atol=1e-6), frame
+        assert np.allclose(got, addon.cloth.to_blender(x), atol=1e-6), frame
         world.step(3)
 
 
@@ -206,18 +192,11 @@ def test_a_bake_that_is_ended_leaves_what_was_there(addon: Any) -> None:
     assert not list(path.parent.glob("*.part"))
 
 
-def refused(words: str) -> None:
-    """Baking is refused by one line with these words."""
-    with pytest.raises(RuntimeError) as error:
-        bpy.ops.drape.bake()
-    assert words in str(error.value) and str(error.value).strip().count("\n") == 0
-
-
 def test_faults_name_the_object(addon: Any) -> None:
     refused("no object of the scene is a cloth")
     bpy.ops.mesh.primitive_uv_sphere_add()
     bpy.context.object.drape.role = "CLOTH"
-    refused("Sphere: expected")
+    refused("Sphere: it is no grid of quads, expected")
     bpy.context.object.drape.role = "NONE"
     cloth = sheet()
     body = ball()
@@ -230,7 +209,7 @@ def test_faults_name_the_object(addon: Any) -> None:
 
 
 def test_grids_are_found_in_any_order(addon: Any) -> None:
-    grid = addon.bake.grid
+    grid = addon.cloth.grid
     rng = np.random.default_rng(7)
     for m, n in ((2, 2), (2, 5), (6, 2), (7, 4)):
         number = np.arange(m * n).reshape(n, m)
