@@ -459,7 +459,7 @@ static void put_back(struct knot *k, bool *more)
     memset(k->back, 0, ((size_t)u->found.count + 1) * sizeof *k->back);
     for (int64_t p = 0; p < 6 * k->pairs.found; p++) {
         int32_t v = u->tri[k->pairs.pair[p / 6][p / 3 % 2]][p % 3];
-        if (!has_moved(k, v))
+        if (!has_moved(k, v) || k->owner[v] < 0)
             continue;
         *more = true;
         k->back[k->owner[v]] = true;
