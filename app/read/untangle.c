@@ -12,6 +12,10 @@
 /* Of the mean edge of a triangle: how far a vertex is to be outside of a solid
  * body, and how far it is moved at most in a round. */
 static const double outside = 0.1, most = 0.5;
+/* Of what a way differs from its neighbours': it is given up in a round. */
+static const double soft = 0.05;
+/* Of the sum of the lengths of what it sums: a gradient below tells no side. */
+static const double weak = 0.03;
 /* The longest gradient of a crossing, of which the length of what is cut
  * changes by so much per way: an edge that goes along a triangle has any. */
 static const double steepest = 4;
@@ -266,7 +270,9 @@ static void add_gradient(const struct knot *k, int64_t p, double sum[3],
  * and of both sides the normals and how far they were moved along these. */
 struct sheets {
     double gradient[3], size, normal[2][3], moved[2];
-    bool fixed[2];
+    double gain[4]; /* of side 0 along its normals and against them, and of 1 */
+    int body[2];
+    bool fixed[2], weak; /* weak: the line tells no side */
 };
 
 static void see_sheets(const struct knot *k, struct sheets *sheets)
@@ -281,6 +287,7 @@ static void see_sheets(const struct knot *k, struct sheets *sheets)
             int32_t t = k->pairs.pair[p][s ^ k->regions.turned[p]];
             double n[3], way[3];
             find_normal(k, t, n);
+            r->body[s] = k->part[t];
             r->fixed[s] |= u->fixed[k->part[t]];
             for (int i = 0; i < 3; i++) {
                 r->normal[s][i] += n[i];
@@ -291,21 +298,46 @@ static void see_sheets(const struct knot *k, struct sheets *sheets)
     }
 }
 
+/* Finds the gains of all regions. Lines that end at borders, as those of two
+ * interwoven tubes, may be as long wherever sheets are: such regions of
+ * different bodies all take the sum of their gains, so that they agree on which
+ * body goes where. */
+static void find_gains(struct sheets *sheets, int count)
+{
+    double all[4] = {0};
+    for (int i = 0; i < count; i++) {
+        struct sheets *r = &sheets[i];
+        bool swap = r->body[0] > r->body[1];
+        shorten(r->normal[0]);
+        shorten(r->normal[1]);
+        r->weak = r->body[0] != r->body[1];
+        for (int o = 0; o < 4; o++) {
+            double g = dot(r->gradient, r->normal[o / 2]) / (r->size + 1e-300);
+            r->gain[o] = o % 2 == o / 2 ? g : -g;
+            r->weak &= fabs(g) < weak;
+        }
+        for (int o = 0; o < 4 && r->weak; o++)
+            all[o] += r->size * r->gain[swap ? (o + 2) % 4 : o];
+    }
+    for (int i = 0; i < 4 * count; i++) {
+        struct sheets *r = &sheets[i / 4];
+        bool swap = r->body[0] > r->body[1];
+        if (r->weak)
+            r->gain[i % 4] = all[swap ? (i + 2) % 4 : i % 4];
+        if (r->fixed[i % 4 / 2])
+            r->gain[i % 4] = -INFINITY;
+    }
+}
+
 /* Chooses which side of a region moves, along its normals or against them: as
  * it did; at first by how much the line becomes shorter, and in later tries by
  * what comes next. *side, return value: 1 or -1. */
 static int choose(const struct knot *k, struct sheets *r, int *side)
 {
-    double gain[4];
+    double *gain = r->gain;
     if (fabs(r->moved[0]) + fabs(r->moved[1]) > 0) {
         *side = fabs(r->moved[1]) > fabs(r->moved[0]);
         return r->moved[*side] > 0 ? 1 : -1;
-    }
-    shorten(r->normal[0]);
-    shorten(r->normal[1]);
-    for (int o = 0; o < 4; o++) {
-        double g = dot(r->gradient, r->normal[o / 2]) / (r->size + 1e-300);
-        gain[o] = r->fixed[o / 2] ? -INFINITY : (o % 2 == o / 2 ? g : -g);
     }
     int best = 0;
     for (int t = 0; t <= k->tried; t++) {
@@ -313,7 +345,7 @@ static int choose(const struct knot *k, struct sheets *r, int *side)
         for (int o = 1; o < 4; o++)
             if (gain[o] > gain[best])
                 best = o;
-        if (t < k->tried && gain[best] > -INFINITY)
+        if (t < k->tried)
             gain[best] = -INFINITY;
     }
     *side = best / 2;
@@ -333,6 +365,8 @@ static int find_ways(struct knot *k)
     bool good = sheets && sign && side;
     if (good)
         see_sheets(k, sheets);
+    if (good)
+        find_gains(sheets, k->regions.count);
     for (int r = 0; good && r < k->regions.count; r++)
         sign[r] = choose(k, &sheets[r], &side[r]);
     for (int64_t p = 0; good && p < k->pairs.found; p++) {
@@ -389,6 +423,28 @@ static void move(struct knot *k)
                 k->u->x[v][i] = (float)(k->u->x[v][i] + k->way[v][i]);
 }
 
+/* Brings ways from the start nearer to the mean of their neighbours', so that
+ * cells that were pushed about do not fold. */
+static void smooth(struct knot *k)
+{
+    struct untangling *u = k->u;
+    size_t nv = (size_t)k->mesh.nv;
+    memset(k->mean, 0, nv * sizeof *k->mean);
+    memset(k->share, 0, nv * sizeof *k->share);
+    for (int64_t t = 0; t < u->nt; t++)
+        for (int c = 0; c < 6 && !u->fixed[k->part[t]]; c++) {
+            int32_t to = u->tri[t][c / 2],
+                    from = u->tri[t][(c / 2 + 1 + c % 2) % 3];
+            for (int i = 0; i < 3; i++)
+                k->mean[to][i] += u->x[from][i] - k->was[from][i];
+            k->share[to]++;
+        }
+    for (size_t v = 0; v < nv; v++)
+        for (int i = 0; i < 3 && k->owner[v] >= 0 && k->share[v] > 0; i++)
+            k->way[v][i] += soft * (k->mean[v][i] / k->share[v] -
+                                    (u->x[v][i] - k->was[v][i]));
+}
+
 static bool has_moved(const struct knot *k, int32_t v)
 {
     return memcmp(k->u->x[v], k->was[v], sizeof k->was[v]) != 0;
@@ -403,7 +459,7 @@ static void put_back(struct knot *k, bool *more)
     memset(k->back, 0, ((size_t)u->found.count + 1) * sizeof *k->back);
     for (int64_t p = 0; p < 6 * k->pairs.found; p++) {
         int32_t v = u->tri[k->pairs.pair[p / 6][p / 3 % 2]][p % 3];
-        if (!has_moved(k, v))
+        if (!has_moved(k, v) || k->owner[v] < 0)
             continue;
         *more = true;
         k->back[k->owner[v]] = true;
@@ -430,6 +486,7 @@ static int try_part(struct knot *k)
             return status;
         for (int i = 0; i < SPREADS; i++)
             spread(k);
+        smooth(k);
         move(k);
         u->made++;
         status = find_pairs(k);

@@ -3,8 +3,8 @@
  */
 #include "app/scene/sewing.h"
 #include "app/base/app.h"
-#include "app/read/untangle.h"
 #include "app/read/crossings.h"
+#include "app/read/untangle.h"
 
 #include <math.h>
 #include <stdlib.h>

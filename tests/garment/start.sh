@@ -109,6 +109,14 @@ sheet("waves.ply", lambda u, v: (.4 * u - .2, .005 + .013 * math.cos(15 * u)
 sheet("corner.ply", lambda u, v: (.0513 + .4 * u, .0307 - .1 * u, .0523 + .4 * v))
 sheet("through.ply", lambda u, v: (.3 * u - .1463, .3 * u - .15, .4 * v - .2))
 ball("ball.ply", (0.01, -0.08, 0.02), 0.1)
+def tube(name, middle, radius, turned, n=48, m=13):
+    x = [(middle[0] + r * math.cos(a), middle[1] + .3 * j / (m - 1), middle[2] + r * math.sin(a))
+         for j in range(m) for a in (2 * math.pi * i / n for i in range(n))
+         for r in [radius + .01 * math.cos(6 * a + turned)]]
+    ring = [(j * n + i, j * n + (i + 1) % n) for j in range(m - 1) for i in range(n)]
+    save(name, x, [t for a, b in ring for t in ((a, a + n, b), (b, a + n, b + n))])
+tube("inner.ply", (0, 0, 0), .15, 0)
+tube("outer.ply", (.003, .003, .002), .152, .5)
 EOT
 # parted PYTHON: the condition holds of untangle.json.
 parted() {
@@ -145,6 +153,9 @@ for name in ("front", "back"):
                for k in range(0, len(row), 3)) > 200'
 exits 'a corner that goes through a sheet' 0 untangle flat.ply corner.ply --out parted \
     --no-picture
+exits 'tubes that weave through each other ten times' 0 untangle inner.ply outer.ply \
+    --out parted --no-picture
+is 'and of which one comes to lie in the other' parted 'len(found) == 10 and not left'
 exits 'sheets of which one goes right through the other' 1 untangle flat.ply through.ply \
     --out parted --no-picture
 is 'are named, and left as they were' parted '
