@@ -112,9 +112,9 @@ class _Flat:
                 side="double",
                 cast_shadow=False,
             )
-            over = [(x[:, 0].min() + x[:, 0].max()) / 2, x[:, 1].max(), x[0, 2]]
+            middle = (x.min(0) + x.max(0)) / 2
             name = f"/pattern/name {k:03d}"
-            scene.add_label(name, body.name, position=over, anchor="bottom-center")
+            scene.add_label(name, body.name, position=middle, anchor="center-center")
         points, self.colours = self.pattern.lines(lambda k: flat[k])
         add = scene.add_line_segments
         add("/pattern/seams", points, self.colours, thickness=width)
@@ -194,6 +194,8 @@ class Page:
     def _controls(self) -> None:
         gui, count = self.server.gui, len(self.frames)
         gui.configure_theme(show_share_button=False, show_logo=False)
+        # beside the picture they do not cover what is framed in it
+        gui.main_panel.dock_right()
         gui.set_panel_label(f"drape: {self.source.title}")
         self.words = gui.add_markdown("")
         self.play: Any = gui.add_button("Pause" if self.playing else "Play")

@@ -99,6 +99,8 @@ class Recorded:
             self.no_pattern = str(error)
         if self.pattern:
             self.bodies = self.pattern.with_rest(self.run.bodies)
+            again = self.run.folder / "sewn.json"
+            self.no_contacts = f"`drape sew` writes none, `drape view {again}` has them"
         self.seconds = self.run.seconds
         self.camera: dict[str, Any] | None = self.run.report.get("camera")
         self._steps: list[dict[str, Any]] = self.run.report["steps"]
