@@ -100,7 +100,7 @@ class _Flat:
     def __init__(self, server: viser.ViserServer, source: Source, stage: Stage) -> None:
         assert source.pattern
         self.pattern, flat = source.pattern, stage.pattern
-        scene, width = server.scene, self.pattern.width()
+        scene, width = server.scene, 0.009 * stage.size
         self.nodes: list[Any] = [scene.add_frame("/pattern", show_axes=False)]
         for k, x in flat.items():
             body = source.bodies[k]

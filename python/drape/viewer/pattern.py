@@ -107,12 +107,6 @@ class Pattern:
                 colours.append(np.full(lines.shape, seam.colour, np.uint8))
         return np.concatenate(points), np.concatenate(colours)
 
-    def width(self) -> float:
-        """Of the lines of seams, m: a part of the spacing of their points."""
-        flat = {k: np.pad(x, ((0, 0), (0, 1))) for k, x in self.rest.items()}
-        lines = self.lines(lambda k: flat[k])[0]
-        return 0.8 * float(np.median(np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1)))
-
     def legend(self) -> str:
         """HTML of the seams' colours, names and ends."""
         rows = "".join(
