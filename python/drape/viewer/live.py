@@ -16,6 +16,7 @@ from drape._define import tree_of
 from drape.errors import DivergedError, Error, SceneError
 from drape.export.run import Body, Positions, make_body, make_cloth
 from drape.pins import Pins
+from drape.viewer.pattern import pattern_of
 from drape.viewer.source import Contacts, on_cloths, step_words
 from drape.world import World, outcome_names
 
@@ -101,6 +102,7 @@ class Live:
     """
 
     no_contacts = "an explicit integrator lists no contacts"
+    no_pattern = ""
 
     def __init__(self, scene: str | Path | World, paced: bool = False) -> None:
         """Takes a world, or makes that of a scene's file, and starts the thread."""
@@ -108,6 +110,9 @@ class Live:
         self.world = world
         self.title = world.name
         self._bodies = [_body(world, k) for k in range(len(world.bodies))]
+        self.pattern = pattern_of(world._open().definition, self._bodies)
+        if self.pattern:
+            self._bodies = self.pattern.with_rest(self._bodies)
         self.bodies: Sequence[Body] = self._bodies
         self.seconds = world.dt * world.steps_per_frame
         self.camera: dict[str, Any] | None = tree_of(world._text).get("camera")

@@ -94,6 +94,41 @@ class _Shape:
             self.strain.visible = strained
 
 
+class _Flat:
+    """The panels of garments, flat beside them, and the seams of both."""
+
+    def __init__(self, server: viser.ViserServer, source: Source, stage: Stage) -> None:
+        assert source.pattern
+        self.pattern, flat = source.pattern, stage.pattern
+        scene, width = server.scene, 0.009 * stage.size
+        self.nodes: list[Any] = [scene.add_frame("/pattern", show_axes=False)]
+        for k, x in flat.items():
+            body = source.bodies[k]
+            scene.add_mesh_simple(
+                f"/pattern/{k:03d}",
+                x.astype(np.float32),
+                body.faces.astype(np.uint32),
+                color=display(mesh.colour(body, k)),
+                side="double",
+                cast_shadow=False,
+            )
+            middle = (x.min(0) + x.max(0)) / 2
+            name = f"/pattern/name {k:03d}"
+            scene.add_label(name, body.name, position=middle, anchor="center-center")
+        points, self.colours = self.pattern.lines(lambda k: flat[k])
+        add = scene.add_line_segments
+        add("/pattern/seams", points, self.colours, thickness=width)
+        self.seams: Any = add("/seams", points, self.colours, thickness=width)
+        self.nodes.append(self.seams)
+
+    def show(self, on: bool, at: Callable[[int], NDArray[Any]]) -> None:
+        """Shows panels and seams, or hides them. at: where a garment's panels are."""
+        if on:
+            self.seams.points = self.pattern.lines(at)[0].astype(np.float32)
+        for node in self.nodes:
+            node.visible = on
+
+
 class Page:
     """Serves a source on a port, until `close`."""
 
@@ -119,6 +154,7 @@ class Page:
                 raise Error("this version of viser cannot be guarded from other pages")
         self.stage = Stage(self.server, source)
         self._shapes = [self._shape(k, body) for k, body in enumerate(source.bodies)]
+        self._flat = _Flat(self.server, source, self.stage) if source.pattern else None
         self._controls()
         self.touch = Touch(self.server, self.live) if self.live else None
         self._keys()
@@ -158,6 +194,8 @@ class Page:
     def _controls(self) -> None:
         gui, count = self.server.gui, len(self.frames)
         gui.configure_theme(show_share_button=False, show_logo=False)
+        # beside the picture they do not cover what is framed in it
+        gui.main_panel.dock_right()
         gui.set_panel_label(f"drape: {self.source.title}")
         self.words = gui.add_markdown("")
         self.play: Any = gui.add_button("Pause" if self.playing else "Play")
@@ -179,15 +217,26 @@ class Page:
         self.arrows: Any = gui.add_slider("Arrow, mm for 1 mN", 0.0, 100.0, 0.1, 2.0)
         self.arrows.visible = False
         self.force_bar: Any = gui.add_html("", visible=False)
+        self._pattern_controls()
         if isinstance(self.source, Recorded):
             film.add_button(self.server, self.source.run)
         self.play.on_click(lambda _: self._toggle())
         self.steps.on_click(lambda _: self._go(self.steps.value))
         for control in (
             *(self.frame, self.wires, self.colour, self.limit),
-            *(self.contacts, self.arrows),
+            *(self.contacts, self.arrows, self.pattern),
         ):
             control.on_update(lambda _: self._dirty.set())
+
+    def _pattern_controls(self) -> None:
+        gui, there = self.server.gui, self._flat is not None
+        self.pattern: Any = gui.add_checkbox("Pattern", there, visible=there)
+        if self.source.no_pattern:
+            gui.add_markdown(f"*no pattern: {self.source.no_pattern}*")
+        if self._flat:
+            with gui.add_folder("Seams", expand_by_default=False):
+                gui.add_html(self._flat.pattern.legend())
+            self.pattern.on_update(lambda _: self.stage.frame(self.pattern.value))
 
     def _keys(self) -> None:
         """Gives the controls keys, and lists these."""
@@ -213,6 +262,8 @@ class Page:
             keys.append(("R", "restart", self.touch.again))
         else:
             keys.append(("L", "loop", switch(self.loop)))
+        if self._flat:
+            keys.append(("P", "pattern", switch(self.pattern)))
         if not self.contacts.disabled:
             keys.append(("T", "contacts", switch(self.contacts)))
         names = {"arrowright": "→", "arrowleft": "←"}
@@ -312,6 +363,12 @@ class Page:
                 if self.source.bodies[shape.number].moving or all_:
                     x = self._positions(shape.body, frame)
                     shape.place(x, bool(self.wires.value), limit)
+            if self._flat and (all_ or self.pattern.value):
+                bodies = self.source.bodies
+                self._flat.show(
+                    bool(self.pattern.value),
+                    lambda k: self._positions(bodies[k], frame),
+                )
             if not self.contacts.disabled:
                 self._show_contacts(frame)
         words = self.source.words(frame)

@@ -11,12 +11,14 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
+from drape.viewer.pattern import Pattern
 from drape.viewer.source import Source
 
 FOV = 35.0  # degrees of the picture's height
 SOME = 8  # frames that are looked at
 FAR = 2.0  # sizes of the cloths: larger obstacles do not move the camera away
 AWAY = np.array([0.5, 0.35, 1.0])  # from where the camera looks
+BESIDE = 0.15  # sizes of the cloths, between bodies and the panels that lie flat
 
 
 def display(linear: Sequence[float] | NDArray[Any]) -> tuple[int, int, int]:
@@ -33,22 +35,17 @@ class Stage:
     Attributes:
         size: of the cloths, m, by which things get their size
         eye, target: of the camera that sees all, m
+        pattern: where panels of garments lie flat, by their numbers, [vertices, 3] m
     """
 
     def __init__(self, server: viser.ViserServer, source: Source) -> None:
         """Sets camera, light, ground and axes."""
         self._measure(source)
-        camera, start = source.camera or {}, server.initial_camera
-        eye, target = camera.get("eye"), camera.get("target")
-        fov = float(camera.get("fov", FOV))
-        start.fov = np.radians(fov)
-        # a report's camera of which both are one place is one that sees all
-        if eye and target and list(eye) != list(target):
-            self.eye, self.target = np.array(eye), np.array(target)
-        else:
-            far = 0.5 * self._all / np.sin(np.radians(fov) / 2)
-            self.target = (self._low + self._high) / 2
-            self.eye = self.target + AWAY / np.linalg.norm(AWAY) * far
+        self.pattern = self._lay(source.pattern) if source.pattern else {}
+        start, self._camera = server.initial_camera, source.camera or {}
+        self._fov = np.radians(float(self._camera.get("fov", FOV)))
+        self.frame(bool(self.pattern))
+        start.fov = self._fov
         start.position, start.look_at = tuple(self.eye), tuple(self.target)
         scene = server.scene
         scene.set_up_direction("+y")
@@ -84,6 +81,32 @@ class Stage:
             self._all = float(np.linalg.norm(self._high - self._low))
         # what ends at the floor, as a box, is not to be in its plane
         self._sunk = 1e-3 * self._all
+
+    def _lay(self, pattern: Pattern) -> dict[int, NDArray[Any]]:
+        """Lays the panels of garments flat and upright, to the right of the bodies."""
+        flat = pattern.lay(float(self._high[1] - self._low[1]))
+        high = float(max(x[:, 1].max() for x in flat.values()))
+        middle = (self._low + self._high) / 2
+        left = float(self._high[0]) + BESIDE * self.size
+        low = max(float(middle[1]) - high / 2, self._floor)
+        corner = np.array([left, low, middle[2]])
+        return {k: np.pad(x, ((0, 0), (0, 1))) + corner for k, x in flat.items()}
+
+    def frame(self, pattern: bool) -> None:
+        """Sets the camera that sees all, with or without the panels that lie flat:
+        without it is the scene's own, where it has one."""
+        eye, target = self._camera.get("eye"), self._camera.get("target")
+        # a report's camera of which both are one place is one that sees all
+        if not pattern and eye and target and list(eye) != list(target):
+            self.eye, self.target = np.array(eye), np.array(target)
+            return
+        low, high = self._low, self._high
+        if pattern:
+            flat = np.concatenate(list(self.pattern.values()))
+            low, high = np.minimum(low, flat.min(0)), np.maximum(high, flat.max(0))
+        far = 0.5 * float(np.linalg.norm(high - low)) / np.sin(self._fov / 2)
+        self.target = (low + high) / 2
+        self.eye = self.target + AWAY / np.linalg.norm(AWAY) * far
 
     def is_floor(self, x: NDArray[Any]) -> bool:
         """Whether positions are level, and as low as anything."""

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from apps.runs import STILL, make, moving
+from apps.runs import STILL, make, moving, sew
 
 
 @pytest.fixture(scope="session")
@@ -21,6 +21,12 @@ def pushed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run at 24 frames a second of which every second frame is there."""
     folder = tmp_path_factory.mktemp("runs") / "pushed"
     return make(folder, moving(), "--every", "2")
+
+
+@pytest.fixture(scope="session")
+def sewn(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A T-shirt that `drape sew` has sewn."""
+    return sew(tmp_path_factory.mktemp("sewn"), 60)
 
 
 @pytest.fixture(scope="session")

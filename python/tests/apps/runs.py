@@ -67,6 +67,21 @@ def tool() -> Path:
     return path
 
 
+def sew(folder: Path, frames: int) -> Path:
+    """Sews a T-shirt in cells of 40 mm about a capsule, and returns the run's folder.
+    Its seams close within 60 frames."""
+    chest = {"shape": "capsule", "radius": 0.12, "length": 0.6, "at": [0, 1.12, 0]}
+    garment = {"pattern": str(ROOT / "app/patterns/tee.json"), "cell": 0.04}
+    scene = {"name": "tee", "garments": [garment], "obstacles": [chest]}
+    file, run = folder / "scene.json", folder / "run"
+    file.write_text(json.dumps(scene))
+    command = [tool(), "sew", file, "--frames", str(frames), "--out", run]
+    done = subprocess.run(command, capture_output=True, text=True)
+    # it fails where seams are open, and has written all the same
+    assert (run / "sewn.json").exists(), done.stderr
+    return run
+
+
 def make(folder: Path, scene: dict[str, Any], *options: str) -> Path:
     """Runs a scene by the tool, and returns the folder that it writes."""
     file = folder.with_suffix(".json")

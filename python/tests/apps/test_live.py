@@ -5,11 +5,13 @@ from __future__ import annotations
 
 import json
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import drape
 from apps.runs import FRAMES, moving
 from drape.contacts import Contacts
 from drape.errors import SceneError
@@ -30,6 +32,14 @@ def wait(source: live.Live) -> None:
     """Waits until all frames are there."""
     end = time.monotonic() + 60
     while source.growing():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+def until(good: Callable[[], bool]) -> None:
+    """Waits until something is so."""
+    end = time.monotonic() + 60
+    while not good():
         assert time.monotonic() < end
         time.sleep(0.01)
 
@@ -116,6 +126,29 @@ def test_contacts_hold_a_cloth_up(scene: Path) -> None:
     assert after is not None and len(after.points) > 10
     assert after.forces[:, 1].sum() > 0
     assert np.linalg.norm(after.points - [0, 0.2, 0], axis=1).max() < 0.6
+
+
+def test_a_body_is_led_and_put_back() -> None:
+    ball = {"name": "ball", "shape": "sphere", "radius": 0.1, "at": [0, -0.3, 0]}
+    cloth = {"particles": [9, 9], "pins": [{"edge": "v0"}]}
+    source = live.Live(drape.World({"cloths": [cloth], "obstacles": [ball]}), True)
+    try:
+        start = source.world.pose("ball")[0]
+        source.grab(1, start.tolist())
+        goal = start + np.array([0.3, 0.0, 0.2])
+        source.pull(goal.tolist())
+        source.want(30)
+        until(lambda: source.frames()[-1] == 30)
+        assert np.allclose(source.world.pose("ball")[0], goal)
+        body = source.bodies[1]
+        moved = source.positions(body, 30) - source.positions(body, 0)
+        assert body.moving and np.allclose(moved, goal - start, atol=1e-6)
+        source.drop()
+        source.restart()
+        until(lambda: list(source.frames()) == [0])
+        assert np.allclose(source.world.pose("ball")[0], start)
+    finally:
+        source.close()
 
 
 def test_an_explicit_integrator_has_no_contacts(scene: Path) -> None:

@@ -264,6 +264,28 @@ def test_keys_loop_and_steps(still: Path, browser: Any) -> None:
         window.get_by_text("see all").wait_for()
 
 
+def test_the_pattern_of_a_garment(sewn: Path, browser: Any) -> None:
+    with shown(Recorded(sewn), browser) as view:
+        window, page = view.window, view.page
+        both = view.still()
+        window.mouse.click(20, 390)
+        window.keyboard.press("p")
+        wait_until(lambda: not page.pattern.value)
+        view.until(lambda p: differ(p, both) > 60, "no pattern")
+        alone = view.still()
+        window.keyboard.press("f")  # without the pattern all is nearer
+        view.until(lambda p: differ(p, alone) > 60, "garment alone")
+        window.get_by_text("Seams", exact=True).click()
+        window.get_by_text("front 1 to back 7, closed in step").wait_for()
+
+
+def test_controls_do_not_cover_the_picture(still: Path, browser: Any) -> None:
+    with shown(Recorded(still), browser) as view:
+        canvas = view.window.locator("canvas").first.bounding_box()
+        play = view.window.get_by_role("button", name="Play").bounding_box()
+        assert canvas["x"] + canvas["width"] <= play["x"]
+
+
 LIVE = {
     "cloths": [{"particles": [15, 15], "pins": [{"edge": "v0"}]}],
     "camera": {"eye": [0.4, -0.2, 2.2], "target": [0.4, -0.4, 0]},

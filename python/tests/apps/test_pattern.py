@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The panels of a run of `drape sew`, flat, and the seams that join them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from apps.runs import sew
+from drape.viewer import strain
+from drape.viewer.live import Live
+from drape.viewer.pattern import Pattern, Side, colour_of
+from drape.viewer.source import Recorded
+
+
+def pattern_of(source: Recorded | Live) -> Pattern:
+    """The pattern of a source that has one."""
+    assert source.pattern and not source.no_pattern
+    return source.pattern
+
+
+def ends(side: Side, x: np.ndarray) -> np.ndarray:
+    """The places of a side, [points, 3] m."""
+    lines = side.lines(x)
+    return np.concatenate([lines[:, 0], lines[-1:, 1]])
+
+
+def test_the_sides_of_a_seam_meet_where_it_is_sewn(sewn: Path) -> None:
+    source, about = Recorded(sewn), json.loads((sewn / "sew.json").read_text())
+    pattern, last = pattern_of(source), source.frames()[-1]
+    assert [s.name for s in pattern.seams] == [s["name"] for s in about["seams"]]
+    assert len({s.colour for s in pattern.seams}) == len(pattern.seams) == 10
+    for seam, row in zip(pattern.seams, about["seams"], strict=True):
+        at = [source.positions(source.bodies[s.body], last) for s in seam.sides]
+        gap = ends(seam.sides[0], at[0]) - ends(seam.sides[1], at[1])
+        widest = np.linalg.norm(gap, axis=1).max()
+        assert abs(widest - row["gap_m"]) < 1e-5  # frames have 32 bits
+        assert seam.end == f"closed in step {row['closed']}"
+        first = [source.positions(source.bodies[s.body], 0) for s in seam.sides]
+        apart = ends(seam.sides[0], first[0]) - ends(seam.sides[1], first[1])
+        assert np.linalg.norm(apart, axis=1).max() > 0.01
+
+
+def test_panels_lie_flat_as_they_are_cut(sewn: Path) -> None:
+    source = Recorded(sewn)
+    pattern = pattern_of(source)
+    flat = pattern.lay(0.7)
+    boxes = [(x.min(0), x.max(0)) for x in flat.values()]
+    for k, (low, high) in enumerate(boxes):
+        assert (low >= 0).all()
+        for below, above in boxes[:k]:  # they do not overlap
+            assert (low > above).any() or (high < below).any()
+    for k, x in flat.items():
+        body = source.bodies[k]
+        rest = np.pad(x, ((0, 0), (0, 1)))
+        least, largest = strain.principal(body, rest)
+        assert max(-least.min(), largest.max()) < 1e-5
+        # borders are not where the grid has them, by which strain was measured
+        grid = source.run.bodies[k]
+        assert grid.uv is not None and body.uv is not None
+        assert np.abs(grid.uv - body.uv).max() > 1e-3
+
+
+def test_contacts_of_a_sewn_garment_are_had_by_its_scene(sewn: Path) -> None:
+    source = Recorded(sewn)
+    assert source.contacts(0) is None
+    assert str(sewn / "sewn.json") in source.no_contacts
+    live = Live(sewn / "sewn.json", paced=True)
+    try:
+        assert live.contacts(0) is not None
+    finally:
+        live.close()
+
+
+def test_a_live_scene_has_the_pattern_of_its_run(sewn: Path) -> None:
+    live, run = Live(sewn / "sewn.json", paced=True), Recorded(sewn)
+    try:
+        mine, theirs = pattern_of(live), pattern_of(run)
+        for k, x in mine.rest.items():
+            assert np.array_equal(x, theirs.rest[k])
+        for a, b in zip(mine.seams, theirs.seams, strict=True):
+            assert a.colour == b.colour
+            assert np.array_equal(a.sides[1].ends, b.sides[1].ends)
+        assert mine.seams[0].name == "front to back"
+    finally:
+        live.close()
+
+
+def test_a_run_without_garments_has_none(still: Path) -> None:
+    source = Recorded(still)
+    assert source.pattern is None and not source.no_pattern
+    assert source.bodies is source.run.bodies
+
+
+def test_a_pattern_that_is_gone_is_told(sewn: Path, tmp_path: Path) -> None:
+    for name in ("report.json", "sew.json", "frames", "obstacles.ply"):
+        (tmp_path / name).symlink_to(sewn / name)
+    scene = json.loads((sewn / "sewn.json").read_text())
+    scene["garments"][0]["pattern"] = "gone.json"
+    (tmp_path / "sewn.json").write_text(json.dumps(scene))
+    source = Recorded(tmp_path)
+    assert source.pattern is None and "gone.json" in source.no_pattern
+
+
+def test_an_open_seam_says_by_how_much(tmp_path: Path) -> None:
+    source = Recorded(sew(tmp_path, 5))
+    pattern = pattern_of(source)
+    assert all(s.end.startswith("open by ") for s in pattern.seams)
+    assert "open by" in pattern.legend() and "front 1 to back 7" in pattern.legend()
+
+
+def test_colours_of_many_seams_differ() -> None:
+    rgb = np.array([colour_of(k) for k in range(48)], float)
+    apart = np.linalg.norm(rgb[:, None] - rgb, axis=-1) + 999 * np.eye(48)
+    assert apart.min() > 5
+    assert np.linalg.norm(rgb[1:] - rgb[:-1], axis=1).min() > 100
