@@ -59,7 +59,7 @@ def main():
     drape, chance = sys.argv[1], random.Random(1)
     usage = subprocess.run([drape, 'help'], capture_output=True, text=True)
     names = re.findall(r'^  ([a-z][a-z-]*) ', usage.stdout, re.M)
-    assert len(names) == 15, names
+    assert len(names) == 16, names
     words = {damaged(n, k, chance) for n in names for k in (1, 1, 2, 3)}
     words = sorted(w for w in words if w not in names) + ['x' * 40, 'vvvv']
     count = check(drape, [], names + ['--version'], words)

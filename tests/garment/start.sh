@@ -176,8 +176,8 @@ panels 'at("front", 14); at("back", -8); sew("front", 1, "back", 1)'
 rm -rf parted
 exits 'a scene of a garment' 0 untangle starts.json --out parted --no-picture
 is 'is listed by the names of its bodies' parted '[f["bodies"] for f in found] == [["back", "body"]]'
-exits 'and begins parted' 0 run parted/start.json --frames 0 --out begun --force
-exits 'without a pair' 0 audit begun
+exits 'and begins parted' 0 run parted/start.json --frames 0 --out parted_run --force
+exits 'without a pair' 0 audit parted_run
 sed 's/0.36/0.34/' tiny.json >low.json
 rm -rf parted
 exits 'a scene of a cloth' 0 untangle low.json --out parted --no-picture
