@@ -2,6 +2,7 @@
 /* Pictures of where bodies intersect. */
 #include "app/render/marks.h"
 #include "app/base/app.h"
+#include "app/base/curve.h"
 #include "app/base/vec.h"
 #include "app/render/picture.h"
 
@@ -121,7 +122,7 @@ static void draw_rings(const struct untangling *u, const struct shot *shot,
         double r = fmax(sqrt(across) / 2 * unit_pixels, least_ring);
         for (int y = 0; y < shot->height; y++)
             for (int x = 0; x < shot->width; x++) {
-                double off = hypot(x - at[0], y - at[1]) - r;
+                double off = plane_length(x - at[0], y - at[1]) - r;
                 static const uint8_t ink[3] = {220, 0, 0};
                 if (fabs(off) < wide)
                     memcpy(

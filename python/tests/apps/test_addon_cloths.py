@@ -118,12 +118,13 @@ def test_a_shirt_with_uvs_is_a_garment(addon: Any, tmp_path: Path, capfd: Any) -
 
 
 def skirt(folder: Path) -> Any:
-    """A skirt whose waist is a vertex group."""
+    """A skirt whose waist is a vertex group, of silk: it bends about its pins."""
     thing = bring(charted.tube().write(folder / "skirt.obj"), "skirt", 0.03)
     start = shown(thing, 5)
     top = np.flatnonzero(start[:, 2] > start[:, 2].max() - 1e-4)
     thing.vertex_groups.new(name="waist").add(top.tolist(), 1.0, "REPLACE")
     thing.drape.pins = "waist"
+    thing.drape.fabric = "silk"
     return thing, top
 
 
@@ -147,7 +148,8 @@ def test_a_skirt_follows_a_body_with_an_action(
     assert np.abs(end[top] - before[top]).max() < 0.004  # pinned to the waist
     moved = (end - start).mean(0)
     assert moved[0] > 0.05  # all of it follows
-    assert np.abs(end - before).max() > 0.01  # as cloth does, not as the bone
+    # as cloth does, not as the bone
+    assert np.abs(end - before).max() > 4 * np.abs(end[top] - before[top]).max()
     assert [m.name for m in thing.modifiers] == ["bones", "drape"]
     for frame in (5, 9, END):
         x, y = shown(thing, frame), shown(body, frame)
@@ -334,9 +336,11 @@ def test_sheets_and_garments_together(addon: Any, tmp_path: Path, capfd: Any) ->
     cloth.location.x = 2
     starts = [shown(thing, 5) for thing in (worn, cloth)]
     assert warned(capfd) == "Info: drape: 13 frames, 24 steps, 0 not clean\n"
-    for thing, start, pinned in zip((worn, cloth), starts, (top, [0]), strict=True):
+    least = 2e-4, 2e-3  # a tube that hangs from its waist stays as it is, but for this
+    each = zip((worn, cloth), starts, (top, [0]), least, strict=True)
+    for thing, start, pinned, moves in each:
         way = np.linalg.norm(shown(thing, END) - start, axis=1)
-        assert way[pinned].max() < 0.004 and 0.002 < way.max() < 1
+        assert way[pinned].max() < 0.004 and moves < way.max() < 1
     assert np.abs(shown(worn, 5) - starts[0]).max() < 0.004
     assert np.abs(shown(cloth, 5) - starts[1]).max() < 1e-6
 
