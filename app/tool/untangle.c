@@ -55,7 +55,9 @@ static int load_meshes(struct knots *k, int count, char **path)
 {
     int parts = count + (k->obstacle != NULL);
     struct mesh *mesh = pool_take(&k->pool, (size_t)parts, sizeof *mesh);
-    int status = mesh ? take(k, parts) : no_memory();
+    if (!mesh)
+        return no_memory();
+    int status = take(k, parts);
     for (int p = 0; p < parts && status == APP_OK; p++) {
         const char *file = p < count ? path[p] : k->obstacle;
         status = mesh_load(&k->pool, file, &mesh[p]);

@@ -222,7 +222,9 @@ def test_what_is_refused(flaps: Path, tmp_path: Path) -> None:
     with pytest.raises(drape.SceneError, match=r"holds a run; .*force=True"):
         drape.sew(flaps, folder=tmp_path / "run", **how)
     # goes through both squares, and is too long for them to leave it
-    beam = drape.Obstacle(name="beam", shape="box", extent=[0.1, 0.1, 1], at=[0, 0.15, 0])
+    beam = drape.Obstacle(
+        name="beam", shape="box", extent=[0.1, 0.1, 1], at=[0, 0.15, 0]
+    )
     for _ in range(2):  # what was refused leaves its folder free
         with pytest.raises(drape.Error, match="begins in beam"):
             drape.sew(flaps, beam, cell=0.02, folder=tmp_path / "free", **how)
