@@ -34,6 +34,16 @@ char *pool_text(struct pool *pool, const char *text)
     return copy ? memcpy(copy, text, size) : NULL;
 }
 
+char *pool_stem(struct pool *pool, const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    char *name = pool_text(pool, slash ? slash + 1 : path);
+    char *dot = name ? strrchr(name, '.') : NULL;
+    if (dot && dot != name)
+        *dot = 0;
+    return name;
+}
+
 void pool_free(struct pool *pool)
 {
     while (pool->first) {

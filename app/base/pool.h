@@ -16,6 +16,8 @@ struct pool {
 void *pool_take(struct pool *pool, size_t count, size_t size);
 /* Returns a copy of the text, or NULL. */
 char *pool_text(struct pool *pool, const char *text);
+/* Returns a copy of a path's last name without its ending, or NULL. */
+char *pool_stem(struct pool *pool, const char *path);
 void pool_free(struct pool *pool);
 
 #endif

@@ -1,27 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A place beside a mesh that follows one of its triangles. */
 #include "app/base/skin.h"
+#include "app/base/vec3.h"
 
 #include <math.h>
 #include <string.h>
-
-static void subtract(const double a[3], const double b[3], double out[3])
-{
-    for (int i = 0; i < 3; i++)
-        out[i] = a[i] - b[i];
-}
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    for (int i = 0; i < 3; i++)
-        out[i] =
-            a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
 
 /* The unit axes of a triangle: along its first side, across it, along its
  * normal. 0: it has no area. */
@@ -29,18 +12,18 @@ static int make_axes(const int32_t t[3], const double (*x)[3],
                      double axis[3][3])
 {
     double side[3];
-    subtract(x[t[1]], x[t[0]], axis[0]);
-    subtract(x[t[2]], x[t[0]], side);
-    cross(axis[0], side, axis[2]);
-    double length = sqrt(dot(axis[0], axis[0]));
-    double area = sqrt(dot(axis[2], axis[2]));
+    vec3_subtract(x[t[1]], x[t[0]], axis[0]);
+    vec3_subtract(x[t[2]], x[t[0]], side);
+    vec3_cross(axis[0], side, axis[2]);
+    double length = sqrt(vec3_dot(axis[0], axis[0]));
+    double area = sqrt(vec3_dot(axis[2], axis[2]));
     if (!(area > 0 && length > 0))
         return 0;
     for (int i = 0; i < 3; i++) {
         axis[0][i] /= length;
         axis[2][i] /= area;
     }
-    cross(axis[2], axis[0], axis[1]);
+    vec3_cross(axis[2], axis[0], axis[1]);
     return 1;
 }
 
@@ -50,9 +33,9 @@ static void find_on_side(const int32_t t[3], const double (*x)[3],
                          const double place[3], int k, double part[3])
 {
     double side[3], to[3];
-    subtract(x[t[(k + 1) % 3]], x[t[k]], side);
-    subtract(place, x[t[k]], to);
-    double at = fmin(fmax(dot(side, to) / dot(side, side), 0), 1);
+    vec3_subtract(x[t[(k + 1) % 3]], x[t[k]], side);
+    vec3_subtract(place, x[t[k]], to);
+    double at = fmin(fmax(vec3_dot(side, to) / vec3_dot(side, side), 0), 1);
     part[k] = 1 - at;
     part[(k + 1) % 3] = at;
     part[(k + 2) % 3] = 0;
@@ -66,7 +49,7 @@ static double find_way(const int32_t t[3], const double (*x)[3],
     for (int i = 0; i < 3; i++)
         way[i] = place[i] - part[0] * x[t[0]][i] - part[1] * x[t[1]][i] -
                  part[2] * x[t[2]][i];
-    return dot(way, way);
+    return vec3_dot(way, way);
 }
 
 /* The parts of the corners of the point beneath a place, by areas. Whether it
@@ -78,10 +61,10 @@ static int find_beneath(const int32_t t[3], const double (*x)[3],
     double sum = 0;
     for (int k = 0; k < 3; k++) {
         double a[3], b[3], n[3];
-        subtract(x[t[(k + 1) % 3]], place, a);
-        subtract(x[t[(k + 2) % 3]], place, b);
-        cross(a, b, n);
-        part[k] = dot(n, normal);
+        vec3_subtract(x[t[(k + 1) % 3]], place, a);
+        vec3_subtract(x[t[(k + 2) % 3]], place, b);
+        vec3_cross(a, b, n);
+        part[k] = vec3_dot(n, normal);
         sum += part[k];
     }
     for (int k = 0; k < 3; k++)
@@ -125,7 +108,7 @@ void skin_find(struct skin *skin, const double place[3],
             skin->tri = k;
             memcpy(skin->part, part[c], sizeof skin->part);
             for (int i = 0; i < 3; i++)
-                skin->off[i] = dot(way, axis[i]);
+                skin->off[i] = vec3_dot(way, axis[i]);
         }
     }
 }

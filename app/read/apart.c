@@ -3,6 +3,7 @@
  * app/scenes/README.md, key `apart`. */
 #include "app/read/apart.h"
 #include "app/base/app.h"
+#include "app/base/vec3.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -44,31 +45,6 @@ struct tree {
     double room, none; /* m; ways up to the latter are none */
 };
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    for (int i = 0; i < 3; i++)
-        out[i] =
-            a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
-
-static void minus(const double a[3], const double b[3], double out[3])
-{
-    for (int i = 0; i < 3; i++)
-        out[i] = a[i] - b[i];
-}
-
-static void shorten(double a[3])
-{
-    double length = sqrt(dot(a, a));
-    for (int i = 0; i < 3; i++)
-        a[i] /= length > 0 ? length : 1;
-}
-
 /* Normals of triangles, and of vertices by the areas around them. */
 static void find_normals(struct tree *t)
 {
@@ -76,15 +52,15 @@ static void find_normals(struct tree *t)
     for (int64_t k = 0; k < t->mesh->nt; k++) {
         const int32_t *v = t->mesh->tri[k];
         double a[3], b[3];
-        minus(t->x[v[1]], t->x[v[0]], a);
-        minus(t->x[v[2]], t->x[v[0]], b);
-        cross(a, b, t->face[k]);
+        vec3_subtract(t->x[v[1]], t->x[v[0]], a);
+        vec3_subtract(t->x[v[2]], t->x[v[0]], b);
+        vec3_cross(a, b, t->face[k]);
         for (int i = 0; i < 9; i++)
             t->normal[v[i / 3]][i % 3] += t->face[k][i % 3];
-        shorten(t->face[k]);
+        vec3_normalise(t->face[k]);
     }
     for (int64_t k = 0; k < t->mesh->nv; k++)
-        shorten(t->normal[k]);
+        vec3_normalise(t->normal[k]);
 }
 
 static double middle(const struct tree *t, int64_t triangle, int axis)
@@ -174,16 +150,17 @@ static void meet(const struct tree *t, int64_t triangle, struct meeting *m)
     if (v[0] == m->vertex || v[1] == m->vertex || v[2] == m->vertex)
         return;
     double a[3], b[3], c[3], p[3], q[3];
-    minus(t->x[v[1]], t->x[v[0]], a);
-    minus(t->x[v[2]], t->x[v[0]], b);
-    minus(t->x[m->vertex], t->x[v[0]], c);
-    cross(m->along, b, p);
-    cross(c, a, q);
-    double size = dot(p, a), u = dot(c, p) / size, w = dot(m->along, q) / size;
-    double at = dot(b, q) / size;
+    vec3_subtract(t->x[v[1]], t->x[v[0]], a);
+    vec3_subtract(t->x[v[2]], t->x[v[0]], b);
+    vec3_subtract(t->x[m->vertex], t->x[v[0]], c);
+    vec3_cross(m->along, b, p);
+    vec3_cross(c, a, q);
+    double size = vec3_dot(p, a), u = vec3_dot(c, p) / size,
+           w = vec3_dot(m->along, q) / size;
+    double at = vec3_dot(b, q) / size;
     if (!(u >= 0 && w >= 0 && u + w <= 1))
         return;
-    double slant = dot(t->face[triangle], t->normal[m->vertex]);
+    double slant = vec3_dot(t->face[triangle], t->normal[m->vertex]);
     if (at > 0)
         m->inside += slant > 0 ? 1 : -1;
     if (slant >= facing)

@@ -2,6 +2,7 @@
 /* Panels that begin within a body are moved out of it:
  * app/patterns/README.md §10. */
 #include "app/base/app.h"
+#include "app/base/vec3.h"
 #include "app/read/apart.h"
 #include "app/read/crossings.h"
 #include "app/read/untangle.h"
@@ -42,11 +43,6 @@ struct search {
     int32_t (*tri)[3], *group;
     int64_t *from; /* [nt] triangles of an audit, as they are in the mesh */
 };
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 static void widen(double lo[3], double hi[3], const double x[3])
 {
@@ -136,14 +132,14 @@ static void see_panel(const struct search *s, int p, struct sheet *sheet)
         }
         double n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2],
                        u[0] * v[1] - u[1] * v[0]};
-        double size = sqrt(dot(n, n));
+        double size = sqrt(vec3_dot(n, n));
         area += size;
         for (int i = 0; i < 3; i++) {
             sheet->n[i] += n[i];
             sheet->middle[i] += size * (x[0][i] + x[1][i] + x[2][i]) / 3;
         }
     }
-    double length = sqrt(dot(sheet->n, sheet->n));
+    double length = sqrt(vec3_dot(sheet->n, sheet->n));
     for (int i = 0; i < 3; i++) {
         sheet->n[i] /= length > 0 ? length : 1;
         sheet->middle[i] /= area > 0 ? area : 1;
@@ -154,7 +150,7 @@ static void see_panel(const struct search *s, int p, struct sheet *sheet)
             continue;
         for (int i = 0; i < 3; i++)
             to[i] = c->x[c->tri[k / 3][k % 3]][i] - sheet->middle[i];
-        off = fmax(off, fabs(dot(to, sheet->n)));
+        off = fmax(off, fabs(vec3_dot(to, sheet->n)));
     }
     sheet->flat = off < even;
 }
@@ -186,9 +182,9 @@ static bool is_before(const struct search *s, int p, int q, const double to[3])
         near &= b->lo[i] + by <= a->hi[i] + layer &&
                 b->hi[i] + by >= a->lo[i] - layer;
     }
-    double ahead = dot(far, to);
-    return near && a->flat && b->flat && fabs(dot(a->n, to)) > along &&
-           fabs(dot(a->n, b->n)) > along && ahead > 0 && ahead <= layer;
+    double ahead = vec3_dot(far, to);
+    return near && a->flat && b->flat && fabs(vec3_dot(a->n, to)) > along &&
+           fabs(vec3_dot(a->n, b->n)) > along && ahead > 0 && ahead <= layer;
 }
 
 /* Takes panels that lie in front of those that are moved with them. */
@@ -238,14 +234,15 @@ static bool is_inside(const struct search *s, int body, const double at[3])
         for (int i = 0; i < 9; i++)
             to[i / 3][i % 3] = c->x[c->tri[k][i / 3]][i % 3] - at[i % 3];
         for (int i = 0; i < 3; i++) {
-            far[i] = sqrt(dot(to[i], to[i]));
+            far[i] = sqrt(vec3_dot(to[i], to[i]));
             n[i] = to[1][(i + 1) % 3] * to[2][(i + 2) % 3] -
                    to[1][(i + 2) % 3] * to[2][(i + 1) % 3];
         }
-        sum += 2 * atan2(dot(to[0], n), far[0] * far[1] * far[2] +
-                                            dot(to[0], to[1]) * far[2] +
-                                            dot(to[1], to[2]) * far[0] +
-                                            dot(to[2], to[0]) * far[1]);
+        sum +=
+            2 * atan2(vec3_dot(to[0], n), far[0] * far[1] * far[2] +
+                                              vec3_dot(to[0], to[1]) * far[2] +
+                                              vec3_dot(to[1], to[2]) * far[0] +
+                                              vec3_dot(to[2], to[0]) * far[1]);
     }
     return fabs(sum) > 2 * acos(-1);
 }
@@ -340,7 +337,7 @@ static int clear(struct search *s, int p, bool *found)
     if (status != APP_OK || !*found)
         return status;
     for (int q = 0; q < c->parts; q++) {
-        if (dot(s->best[q], s->best[q]) == 0)
+        if (vec3_dot(s->best[q], s->best[q]) == 0)
             continue;
         c->by[q] = p;
         for (int i = 0; i < 3; i++)

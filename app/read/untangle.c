@@ -2,6 +2,7 @@
 /* Parts meshes that go through each other: app/patterns/README.md §13. */
 #include "app/read/untangle.h"
 #include "app/base/app.h"
+#include "app/base/vec3.h"
 #include "app/read/apart.h"
 #include "app/read/crossings.h"
 
@@ -42,33 +43,6 @@ struct knot {
     int tried; /* number of the try */
 };
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    for (int i = 0; i < 3; i++)
-        out[i] =
-            a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
-
-static void minus(const double a[3], const double b[3], double out[3])
-{
-    for (int i = 0; i < 3; i++)
-        out[i] = a[i] - b[i];
-}
-
-/* Makes a vector one of length 1, or of 0. Returns how long it was. */
-static double shorten(double a[3])
-{
-    double length = sqrt(dot(a, a));
-    for (int i = 0; i < 3; i++)
-        a[i] /= length > 0 ? length : 1;
-    return length;
-}
-
 static const double *corner(const struct knot *k, int32_t triangle, int i)
 {
     return k->u->x[k->u->tri[triangle][i % 3]];
@@ -77,10 +51,10 @@ static const double *corner(const struct knot *k, int32_t triangle, int i)
 static void find_normal(const struct knot *k, int32_t triangle, double n[3])
 {
     double a[3], b[3];
-    minus(corner(k, triangle, 1), corner(k, triangle, 0), a);
-    minus(corner(k, triangle, 2), corner(k, triangle, 0), b);
-    cross(a, b, n);
-    shorten(n);
+    vec3_subtract(corner(k, triangle, 1), corner(k, triangle, 0), a);
+    vec3_subtract(corner(k, triangle, 2), corner(k, triangle, 0), b);
+    vec3_cross(a, b, n);
+    vec3_normalise(n);
 }
 
 /* The mean edge of a triangle, m. */
@@ -88,8 +62,8 @@ static double find_size(const struct knot *k, int32_t triangle)
 {
     double sum = 0, e[3];
     for (int i = 0; i < 3; i++) {
-        minus(corner(k, triangle, i + 1), corner(k, triangle, i), e);
-        sum += sqrt(dot(e, e)) / 3;
+        vec3_subtract(corner(k, triangle, i + 1), corner(k, triangle, i), e);
+        sum += sqrt(vec3_dot(e, e)) / 3;
     }
     return sum;
 }
@@ -108,10 +82,10 @@ static bool is_in(const struct knot *k, int32_t triangle, const double n[3],
     bool in = true;
     for (int i = 0; i < 3; i++) {
         double e[3], to[3], out[3];
-        minus(corner(k, triangle, i + 1), corner(k, triangle, i), e);
-        minus(at, corner(k, triangle, i), to);
-        cross(e, to, out);
-        in &= dot(out, n) >= -1e-12 * dot(e, e);
+        vec3_subtract(corner(k, triangle, i + 1), corner(k, triangle, i), e);
+        vec3_subtract(at, corner(k, triangle, i), to);
+        vec3_cross(e, to, out);
+        in &= vec3_dot(out, n) >= -1e-12 * vec3_dot(e, e);
     }
     return in;
 }
@@ -125,8 +99,8 @@ static bool find_line(const struct knot *k, const int32_t pair[2],
         double n[3], far[3], to[3];
         find_normal(k, pair[!s], n);
         for (int i = 0; i < 3; i++) {
-            minus(corner(k, pair[s], i), corner(k, pair[!s], 0), to);
-            far[i] = dot(to, n);
+            vec3_subtract(corner(k, pair[s], i), corner(k, pair[!s], 0), to);
+            far[i] = vec3_dot(to, n);
         }
         for (int i = 0; i < 3 && count < 2; i++) {
             int j = (i + 1) % 3;
@@ -138,8 +112,8 @@ static bool find_line(const struct knot *k, const int32_t pair[2],
                 e->at[d] = a[d] + far[i] / (far[i] - far[j]) * (b[d] - a[d]);
             if (!is_in(k, pair[!s], n, e->at))
                 continue;
-            minus(b, a, e->edge);
-            shorten(e->edge);
+            vec3_subtract(b, a, e->edge);
+            vec3_normalise(e->edge);
             memcpy(e->n, n, sizeof n);
             e->side = s;
             count++;
@@ -182,8 +156,8 @@ static int list(struct knot *k, struct tangles *tangles, int32_t *mark)
                 row->hi[i] = -INFINITY;
             }
         if (line) {
-            minus(end[1].at, end[0].at, to);
-            row->length += sqrt(dot(to, to));
+            vec3_subtract(end[1].at, end[0].at, to);
+            row->length += sqrt(vec3_dot(to, to));
         }
         for (int i = 0; i < 2; i++) {
             const double *at = line ? end[i].at : corner(k, pair[i], 0);
@@ -209,8 +183,8 @@ static void push(struct knot *k, int32_t triangle, const double to[3],
         int32_t v = k->u->tri[triangle][i];
         double lacks = most * size;
         if (from) {
-            minus(k->u->x[v], from, far);
-            lacks = fmin(lacks, outside * size - dot(far, to));
+            vec3_subtract(k->u->x[v], from, far);
+            lacks = fmin(lacks, outside * size - vec3_dot(far, to));
         }
         if (!(lacks > 0))
             continue;
@@ -250,14 +224,14 @@ static void add_gradient(const struct knot *k, int64_t p, double sum[3],
         return;
     for (int e = 0; e < 2; e++) {
         double along[3], g[3];
-        minus(end[!e].at, end[e].at, along);
-        shorten(along);
+        vec3_subtract(end[!e].at, end[e].at, along);
+        vec3_normalise(along);
         /* the end slides in the plane of the other as the edge moves */
-        double slant = dot(end[e].edge, end[e].n);
-        double slide = dot(end[e].edge, along) / (slant == 0 ? 1 : slant);
+        double slant = vec3_dot(end[e].edge, end[e].n);
+        double slide = vec3_dot(end[e].edge, along) / (slant == 0 ? 1 : slant);
         for (int i = 0; i < 3; i++)
             g[i] = along[i] - slide * end[e].n[i];
-        double length = sqrt(dot(g, g));
+        double length = sqrt(vec3_dot(g, g));
         double part = length > steepest ? steepest / length : 1;
         bool first = (end[e].side ^ k->regions.turned[p]) == 0;
         for (int i = 0; i < 3; i++)
@@ -291,8 +265,8 @@ static void see_sheets(const struct knot *k, struct sheets *sheets)
             r->fixed[s] |= u->fixed[k->part[t]];
             for (int i = 0; i < 3; i++) {
                 r->normal[s][i] += n[i];
-                minus(u->x[u->tri[t][i]], k->was[u->tri[t][i]], way);
-                r->moved[s] += dot(way, n);
+                vec3_subtract(u->x[u->tri[t][i]], k->was[u->tri[t][i]], way);
+                r->moved[s] += vec3_dot(way, n);
             }
         }
     }
@@ -308,11 +282,12 @@ static void find_gains(struct sheets *sheets, int count)
     for (int i = 0; i < count; i++) {
         struct sheets *r = &sheets[i];
         bool swap = r->body[0] > r->body[1];
-        shorten(r->normal[0]);
-        shorten(r->normal[1]);
+        vec3_normalise(r->normal[0]);
+        vec3_normalise(r->normal[1]);
         r->weak = r->body[0] != r->body[1];
         for (int o = 0; o < 4; o++) {
-            double g = dot(r->gradient, r->normal[o / 2]) / (r->size + 1e-300);
+            double g =
+                vec3_dot(r->gradient, r->normal[o / 2]) / (r->size + 1e-300);
             r->gain[o] = o % 2 == o / 2 ? g : -g;
             r->weak &= fabs(g) < weak;
         }
@@ -383,7 +358,7 @@ static int find_ways(struct knot *k)
                  find_owner(k, pair));
     }
     for (size_t v = 0; good && v < nv; v++) {
-        shorten(k->way[v]);
+        vec3_normalise(k->way[v]);
         for (int i = 0; i < 3; i++)
             k->way[v][i] *= k->need[v];
     }
@@ -393,8 +368,9 @@ static int find_ways(struct knot *k)
     return good ? APP_OK : no_memory();
 }
 
-/* Gives vertices that have no way the mean of their neighbours'. */
-static void spread(struct knot *k)
+/* Sums the ways of each vertex's neighbours, of this round or from the start,
+ * and counts these: mean, share. */
+static void sum_neighbours(struct knot *k, bool round)
 {
     struct untangling *u = k->u;
     size_t nv = (size_t)k->mesh.nv;
@@ -402,15 +378,23 @@ static void spread(struct knot *k)
     memset(k->share, 0, nv * sizeof *k->share);
     for (int64_t t = 0; t < u->nt; t++)
         for (int c = 0; c < 6 && !u->fixed[k->part[t]]; c++) {
-            int32_t to = u->tri[t][c / 2],
-                    from = u->tri[t][(c / 2 + 1 + c % 2) % 3];
+            int32_t to = u->tri[t][c / 2];
+            int32_t from = u->tri[t][(c / 2 + 1 + c % 2) % 3];
             for (int i = 0; i < 3; i++)
-                k->mean[to][i] += k->way[from][i];
+                k->mean[to][i] +=
+                    round ? k->way[from][i] : u->x[from][i] - k->was[from][i];
             k->share[to]++;
-            if (k->owner[to] < 0 && dot(k->way[from], k->way[from]) > 0)
+            if (round && k->owner[to] < 0 &&
+                vec3_dot(k->way[from], k->way[from]) > 0)
                 k->owner[to] = k->owner[from];
         }
-    for (size_t v = 0; v < nv; v++)
+}
+
+/* Gives vertices that have no way the mean of their neighbours'. */
+static void spread(struct knot *k)
+{
+    sum_neighbours(k, true);
+    for (int64_t v = 0; v < k->mesh.nv; v++)
         for (int i = 0; i < 3 && k->need[v] == 0 && k->share[v] > 0; i++)
             k->way[v][i] = k->mean[v][i] / k->share[v];
 }
@@ -427,22 +411,11 @@ static void move(struct knot *k)
  * cells that were pushed about do not fold. */
 static void smooth(struct knot *k)
 {
-    struct untangling *u = k->u;
-    size_t nv = (size_t)k->mesh.nv;
-    memset(k->mean, 0, nv * sizeof *k->mean);
-    memset(k->share, 0, nv * sizeof *k->share);
-    for (int64_t t = 0; t < u->nt; t++)
-        for (int c = 0; c < 6 && !u->fixed[k->part[t]]; c++) {
-            int32_t to = u->tri[t][c / 2],
-                    from = u->tri[t][(c / 2 + 1 + c % 2) % 3];
-            for (int i = 0; i < 3; i++)
-                k->mean[to][i] += u->x[from][i] - k->was[from][i];
-            k->share[to]++;
-        }
-    for (size_t v = 0; v < nv; v++)
+    sum_neighbours(k, false);
+    for (int64_t v = 0; v < k->mesh.nv; v++)
         for (int i = 0; i < 3 && k->owner[v] >= 0 && k->share[v] > 0; i++)
             k->way[v][i] += soft * (k->mean[v][i] / k->share[v] -
-                                    (u->x[v][i] - k->was[v][i]));
+                                    (k->u->x[v][i] - k->was[v][i]));
 }
 
 static bool has_moved(const struct knot *k, int32_t v)
@@ -555,8 +528,8 @@ static int begin(struct knot *k)
                 b[i] = u->x[t[1]][i] - u->x[u->first[p]][i];
                 c[i] = u->x[t[2]][i] - u->x[u->first[p]][i];
             }
-            cross(b, c, n);
-            volume += dot(a, n);
+            vec3_cross(b, c, n);
+            volume += vec3_dot(a, n);
         }
         struct mesh mesh = {u->first[u->parts], to - from, u->x,
                             (int32_t(*)[3])u->tri + from};
@@ -605,8 +578,8 @@ int untangle(struct untangling *untangling)
     for (int p = 0; status == APP_OK && p < u->parts; p++)
         for (int64_t v = u->first[p]; v < u->first[p + 1]; v++) {
             double way[3];
-            minus(u->x[v], k.was[v], way);
-            u->way[p] = fmax(u->way[p], sqrt(dot(way, way)));
+            vec3_subtract(u->x[v], k.was[v], way);
+            u->way[p] = fmax(u->way[p], sqrt(vec3_dot(way, way)));
         }
     crossings_free(&k.pairs);
     return status;

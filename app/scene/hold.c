@@ -6,6 +6,7 @@
  * many newtons at most, and what holds by any force are one thing. */
 #include "app/base/app.h"
 #include "app/base/skin.h"
+#include "app/base/vec3.h"
 #include "app/scene/sewing.h"
 
 #include <math.h>
@@ -22,11 +23,6 @@ enum { COLUMNS = 128 }; /* of anchors, at most */
 /* Frames of being worn after which it is held although a seam is still open: a
  * border that nothing holds has fallen by 3 mm, as gravity comes evenly. */
 enum { FRAMES = 6 };
-
-static double length_of(const double a[3])
-{
-    return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
-}
 
 static int failed(const char *what, int status)
 {
@@ -56,7 +52,7 @@ static void sweep(struct box *box, const drape_motion *m,
         double from[3];
         for (int i = 0; i < 3; i++)
             from[i] = o->x[k][i] - m->pivot[i];
-        radius = fmax(radius, length_of(from));
+        radius = fmax(radius, vec3_length(from));
     }
     for (int k = 0; k < m->keys; k++)
         for (int i = 0; i < 3; i++) {
@@ -405,8 +401,8 @@ int holds_read(struct sewing *s)
             double slip[3];
             for (int i = 0; i < 3; i++)
                 slip[i] = hold->gap[p][i] - hold->target[p][i];
-            hold->slip = fmax(hold->slip, length_of(slip));
-            hold->strongest = fmax(hold->strongest, length_of(hold->pull[p]) /
+            hold->slip = fmax(hold->slip, vec3_length(slip));
+            hold->strongest = fmax(hold->strongest, vec3_length(hold->pull[p]) /
                                                         hold->about->spacing);
         }
     }

@@ -3,6 +3,7 @@
  * themselves, and parted where they touch in one plane; and finds where three
  * of them meet. app/patterns/README.md §10, §11 */
 #include "app/base/app.h"
+#include "app/base/vec3.h"
 #include "app/scene/garment.h"
 
 #include <math.h>
@@ -248,11 +249,6 @@ struct sheet {
     double middle[3];        /* of its outline */
 };
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 static void make_sheet(const struct garment_panel *p, struct sheet *sheet)
 {
     const struct outline *o = &p->outline;
@@ -303,8 +299,8 @@ static void meet(const struct sheet *a, const struct sheet *b, double reach,
         garment_stand(b->panel, q->x[k], x);
         for (int i = 0; i < 3; i++)
             x[i] -= at[i];
-        y[0] = dot(x, a->u);
-        y[1] = dot(x, a->v);
+        y[0] = vec3_dot(x, a->u);
+        y[1] = vec3_dot(x, a->v);
         bool close = y[0] > o->lo[0] - reach && y[0] < o->hi[0] + reach &&
                      y[1] > o->lo[1] - reach && y[1] < o->hi[1] + reach;
         for (int j = 0; close && j < o->n; j++)
@@ -326,7 +322,7 @@ static void find_way(const struct sheet *a, const struct sheet *b,
     double middle[3], across[2];
     for (int i = 0; i < 3; i++)
         middle[i] = b->middle[i] - a->middle[i];
-    double to[2] = {dot(middle, a->u), dot(middle, a->v)};
+    double to[2] = {vec3_dot(middle, a->u), vec3_dot(middle, a->v)};
     double angle = atan2(2 * xy, xx - yy) / 2;
     bool line = xx + yy > reach_of(h) * reach_of(h);
     across[0] = line ? -sin(angle) : to[0];
@@ -352,7 +348,8 @@ static bool is_near(const struct sheet *a, const struct sheet *b, double h,
         apart[i] = b->middle[i] - a->middle[i];
     if (a->panel->roll.radius > 0 || b->panel->roll.radius > 0)
         return false;
-    if (fabs(dot(a->n, b->n)) < cos(parallel) || fabs(dot(apart, a->n)) > h / 2)
+    if (fabs(vec3_dot(a->n, b->n)) < cos(parallel) ||
+        fabs(vec3_dot(apart, a->n)) > h / 2)
         return false;
     meet(a, b, reach, &m);
     if (!m.count)

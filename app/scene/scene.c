@@ -145,17 +145,6 @@ static double default_memory(void)
     return pages > 0 && size > 0 ? 0.8e-9 * (double)pages * (double)size : 8;
 }
 
-/* Returns the file's name without folder and extension. */
-static char *base_name(struct pool *pool, const char *file)
-{
-    const char *slash = strrchr(file, '/');
-    char *name = pool_text(pool, slash ? slash + 1 : file);
-    char *dot = name ? strrchr(name, '.') : NULL;
-    if (dot && dot != name)
-        *dot = 0;
-    return name;
-}
-
 /* Sets what no key of a scene gives. */
 static int begin(struct scene *scene, const char *file)
 {
@@ -200,7 +189,7 @@ static int load(struct scene *scene, json_t *root)
     if (status == APP_OK && !scene->name)
         scene->name = strcmp(scene->file, "-") == 0
                           ? pool_text(&scene->pool, "scene")
-                          : base_name(&scene->pool, scene->file);
+                          : pool_stem(&scene->pool, scene->file);
     return status;
 }
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Makes a cloth's start, holes, cuts and pins from their descriptions. */
 #include "app/base/app.h"
+#include "app/base/vec3.h"
 #include "app/scene/cloth.h"
 
 #include <math.h>
@@ -158,22 +159,17 @@ static int make_pins(struct pool *pool, struct cloth *cloth)
                                    : complain(APP_FAILED, "out of memory");
 }
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* Makes unit axes, with v orthogonal to u. */
 static int make_axes(struct json *json, struct cloth *cloth)
 {
     double *u = cloth->start.u, *v = cloth->start.v;
-    double n = square_root(dot(u, u));
+    double n = square_root(vec3_dot(u, u));
     for (int i = 0; i < 3 && n > 0; i++)
         u[i] /= n;
-    double along = dot(u, v);
+    double along = vec3_dot(u, v);
     for (int i = 0; i < 3; i++)
         v[i] -= along * u[i];
-    double l = square_root(dot(v, v));
+    double l = square_root(vec3_dot(v, v));
     if (!(n > 0 && l > 1e-6 * n))
         return json_refuse(json, "start: u and v must be two directions");
     for (int i = 0; i < 3; i++) {

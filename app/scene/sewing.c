@@ -3,6 +3,7 @@
  */
 #include "app/scene/sewing.h"
 #include "app/base/app.h"
+#include "app/base/vec3.h"
 #include "app/read/crossings.h"
 #include "app/read/untangle.h"
 
@@ -16,11 +17,12 @@ const char *const sewing_stages[SEWING_STAGES] = {"darts", "seams", "across",
 /* The fastest target. Within a step of 1/60 s it falls by 8 mm, which is less
  * than cloth moves when it falls freely for 0.05 s. */
 static const double fastest = 0.5; /* m/s */
-/* Where a gap ends it falls by `slowest` and the gap over this time, so that
- * the cloth behind an edge comes to rest with it: with a speed of 0.1 m/s at 5
- * mm 0.3 m of light cotton have .2 mJ per metre of the edge, and a fold over a
- * row of these cells takes 10. With half a metre a second to the end, 6 mJ,
- * borders went past each other by three rows and stayed folded. */
+/* Near its end a gap falls more slowly: by `slowest` and by itself in the time
+ * `settle`. It bounds how far the cloth behind an edge goes on when the edge
+ * stops. At 0.5 m/s 0.3 m of light cotton have 6 mJ per metre of the edge, more
+ * than the 2 mJ of a curl with a radius of 7 mm (its moment times pi over twice
+ * the radius), and borders went past each other and stayed curled; at the 0.1
+ * m/s that are left at a gap of 5 mm they have 0.2 mJ. */
 static const double slowest = 0.05; /* m/s */
 static const double settle = 0.1;   /* s */
 /* The greatest pull of a seam while it is sewn, which strains light cotton by 3
@@ -41,11 +43,6 @@ static const double rest_way = 1e-3, rest_time = 1;
  * this time, s. */
 static const double progress = 0.05, patience = 0.5;
 enum { RAMP = 30 }; /* frames in which gravity comes */
-
-static double length_of(const double a[3])
-{
-    return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
-}
 
 static int failed(const char *what, int status)
 {
@@ -147,8 +144,9 @@ static void tell_moves(const struct sewing *s, const struct clearing *c)
         complain(APP_OK,
                  "%s: note: panel %s is moved by %.3g cm, (%.3g, %.3g, %.3g) "
                  "m, as %s%s begins in a body",
-                 s->scene->file, s->scene->cloth_name[k], 1e2 * length_of(way),
-                 way[0], way[1], way[2], c->by[k] == k ? "" : "panel ",
+                 s->scene->file, s->scene->cloth_name[k],
+                 1e2 * vec3_length(way), way[0], way[1], way[2],
+                 c->by[k] == k ? "" : "panel ",
                  c->by[k] == k ? "it" : s->scene->cloth_name[c->by[k]]);
     }
 }
@@ -270,8 +268,8 @@ static int read_seams(struct sewing *s)
             return failed("a seam", status);
         seam->most = seam->strongest = 0;
         for (int64_t p = 0; p < seam->n; p++) {
-            double gap = length_of(seam->gap[p]);
-            double pull = length_of(seam->pull[p]) / seam->spacing;
+            double gap = vec3_length(seam->gap[p]);
+            double pull = vec3_length(seam->pull[p]) / seam->spacing;
             if (gap > seam->most) {
                 seam->most = gap;
                 seam->worst = (int)p;
@@ -358,7 +356,7 @@ bool sewing_is_closed(const struct sewing *sewing, int seam)
 static bool waits(const struct sewing *s, int k, int64_t p)
 {
     const struct sewing_seam *seam = &s->seam[k];
-    return length_of(seam->pull[p]) > 0.99 * s->turn[seam->index].strength;
+    return vec3_length(seam->pull[p]) > 0.99 * s->turn[seam->index].strength;
 }
 
 /* The part of its gap that each point is to close in this step, so that all
@@ -369,7 +367,7 @@ static double find_part(const struct sewing *s)
     for (int k = 0; k < s->whole.n_seams; k++)
         for (int64_t p = 0; s->seam[k].index >= 0 && p < s->seam[k].n; p++)
             if (!waits(s, k, p))
-                most = fmax(most, length_of(s->seam[k].gap[p]));
+                most = fmax(most, vec3_length(s->seam[k].gap[p]));
     double step = fmin(fastest, slowest + most / settle) * s->whole.dt;
     return most > step ? step / most : 1;
 }
@@ -386,7 +384,7 @@ static int move_targets(struct sewing *s)
         seam->waiting = 0;
         bool changes = !seam->told;
         for (int64_t p = 0; p < seam->n; p++) {
-            double size = length_of(seam->gap[p]);
+            double size = vec3_length(seam->gap[p]);
             double left = 1 - (size > step ? fmin(part, step / size) : part);
             for (int i = 0; i < 3; i++) {
                 double was = seam->target[p][i];
@@ -432,7 +430,7 @@ static bool is_done(struct sewing *s)
             continue;
         all &= seam->most < near * s->scene->seam[k].cell;
         for (int64_t p = 0; p < seam->n; p++)
-            left += length_of(seam->gap[p]) * s->scene->seam[k].length[p];
+            left += vec3_length(seam->gap[p]) * s->scene->seam[k].length[p];
     }
     s->still++;
     if (left < (1 - progress) * s->left) {

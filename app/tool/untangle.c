@@ -39,17 +39,6 @@ static int take(struct knots *k, int parts)
                                                            : no_memory();
 }
 
-/* The name of a file without folder and ending. */
-static char *base_name(struct pool *pool, const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    char *name = pool_text(pool, slash ? slash + 1 : path);
-    char *dot = name ? strrchr(name, '.') : NULL;
-    if (dot && dot != name)
-        *dot = 0;
-    return name;
-}
-
 /* Reads meshes, the last of which is the obstacle, if one is given. */
 static int load_meshes(struct knots *k, int count, char **path)
 {
@@ -63,7 +52,7 @@ static int load_meshes(struct knots *k, int count, char **path)
         status = mesh_load(&k->pool, file, &mesh[p]);
         if (status != APP_OK)
             return status;
-        k->name[p] = base_name(&k->pool, file);
+        k->name[p] = pool_stem(&k->pool, file);
         k->fixed[p] = p >= count;
         k->first[p + 1] = k->first[p] + mesh[p].nv;
         k->triangles[p + 1] = k->triangles[p] + mesh[p].nt;
