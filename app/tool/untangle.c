@@ -11,6 +11,7 @@
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 struct knots {
     struct untangling u;
@@ -37,6 +38,26 @@ static int take(struct knots *k, int parts)
     k->fixed = pool_take(&k->pool, n, sizeof *k->fixed);
     return k->name && k->triangles && k->first && k->fixed ? APP_OK
                                                            : no_memory();
+}
+
+/* Refuses to write into the folder of an input, as files would have its name or
+ * those of what it reads. path: NULL: there is none. */
+static int check_folder(const char *directory, const char *path)
+{
+    struct stat out, in;
+    char folder[FILE_PATH];
+    if (!path || stat(directory, &out) != 0)
+        return APP_OK;
+    const char *slash = strrchr(path, '/');
+    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) + 1 : 1,
+             slash ? path : ".");
+    if (stat(folder, &in) != 0 || in.st_dev != out.st_dev ||
+        in.st_ino != out.st_ino)
+        return APP_OK;
+    return complain(APP_USAGE,
+                    "%s: is in %s, where it could be overwritten; give another "
+                    "--out",
+                    path, directory);
 }
 
 /* Reads meshes, the last of which is the obstacle, if one is given. */
@@ -248,8 +269,12 @@ int command_untangle(int argc, char **argv)
     if (positional < 1 || (scene && (positional > 1 || k.obstacle)))
         return complain(APP_USAGE,
                         "untangle: expected MESH… or one SCENE.json");
-    status =
-        scene ? load_scene(&k, argv[0]) : load_meshes(&k, positional, argv);
+    status = check_folder(k.directory, k.obstacle);
+    for (int p = 0; p < positional && status == APP_OK; p++)
+        status = check_folder(k.directory, argv[p]);
+    if (status == APP_OK)
+        status =
+            scene ? load_scene(&k, argv[0]) : load_meshes(&k, positional, argv);
     if (status == APP_OK)
         status = work(&k, argv[0]);
     drape_destroy(k.world);

@@ -169,6 +169,12 @@ is 'changes nothing' test ! -e parted/flat.ply
 exits 'what does not intersect' 0 untangle flat.ply --out parted
 refused 'nothing to untangle' 'untangle: expected MESH' untangle
 mkdir -p twice && cp flat.ply twice
+cp flat.ply kept.ply
+for input in flat.ply starts.json; do
+    refused "the folder of $input" "$input: is in ./, where it could be overwritten" \
+        untangle "$input" --out ./
+done
+is 'and its mesh stays' cmp flat.ply kept.ply
 refused 'two meshes of one name' 'another mesh is called flat' untangle flat.ply twice/flat.ply
 refused 'an obstacle beside a scene' 'untangle: expected MESH' untangle tiny.json \
     --obstacle ball.ply
