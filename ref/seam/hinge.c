@@ -114,12 +114,12 @@ static bool solve_form(const struct behind *s, const struct behind *t, int a,
     double scale = length_of(t->along[b], t->across[b]) *
                    length_of(t->along[c], t->across[c]);
     if (!(fabs(det) > 1e-6 * scale))
-        return false;
+        return false; /* on one line with the point: any weights would do */
     double x = -s->along[a], y = s->across[a];
     w[0] = (x * t->across[c] - y * t->along[c]) / det;
     w[1] = (y * t->along[b] - x * t->across[b]) / det;
     for (int k = 0; k < 2; k++)
-        w[k] = fabs(w[k]) < 1e-9 ? 0 : w[k];
+        w[k] = fabs(w[k]) < 1e-9 ? 0 : w[k]; /* 0 but for rounding */
     return w[0] >= 0 && w[1] >= 0;
 }
 
