@@ -80,11 +80,12 @@ double cut_part(const struct cut *cut, const int32_t p[3])
            (2 * cut->h * cut->h);
 }
 
-/* Whether the middle part of the way from x to y crosses the outline. */
+/* Whether the way from x to y crosses the outline. A thousandth is left out at
+ * its ends, which may lie on the outline. */
 static bool is_cut(const struct border *border, const double x[2],
                    const double y[2])
 {
-    static const double end = 0.05;
+    static const double end = 0.001;
     const struct buckets *by = &border->chords;
     double from[2], to[2];
     for (int i = 0; i < 2; i++) {

@@ -74,8 +74,31 @@ static void snap(struct cut *cut, const struct crossing *at)
         move(cut, at, p);
 }
 
+/* The nearest particle of an edge's beginning. */
+static int64_t find_corner(const struct cut *cut, const struct outline *outline,
+                           int edge)
+{
+    const double *x = outline->x[outline->first[edge]];
+    double i = ceil((x[0] - cut->at[0]) / cut->h - 0.5 - still);
+    double j = ceil((x[1] - cut->at[1]) / cut->h - 0.5 - still);
+    i = fmin(fmax(i, 0), cut->m - 1);
+    j = fmin(fmax(j, 0), cut->n - 1);
+    return (int64_t)i + cut->m * (int64_t)j;
+}
+
+/* Whether two edges meet in a corner that takes particle p. */
+static bool meet_at(const struct cut *cut, const struct outline *outline, int e,
+                    int f, int64_t p)
+{
+    return ((e + 1) % outline->edges == f &&
+            find_corner(cut, outline, f) == p) ||
+           ((f + 1) % outline->edges == e && find_corner(cut, outline, e) == p);
+}
+
 /* In a gap narrower than a cell, both sides may want one particle. The further
- * side takes the next particle, inside the panel, so that the gap is cut. */
+ * side takes the next particle, inside the panel, so that the gap is cut. The
+ * particle of the gap's own tip is of both sides: were they parted there, their
+ * cells would overlap. */
 static void part(struct cut *cut, const struct crossing *at)
 {
     const struct outline *o = at->outline;
@@ -98,7 +121,8 @@ static void part(struct cut *cut, const struct crossing *at)
     bool facing =
         (b[0] - a[0]) * (e[0] - d[0]) + (b[1] - a[1]) * (e[1] - d[1]) < 0;
     if (!facing || !outline_is_right(o, w, x) ||
-        !outline_is_right(o, at->c, cut->x[p]))
+        !outline_is_right(o, at->c, cut->x[p]) ||
+        meet_at(cut, o, o->of[at->c], o->of[w], p))
         return;
     if (cut->chord[q] < 0 || fabs(k - next) * cut->h < moved_by(cut, q))
         move(cut, at, q);
@@ -134,18 +158,14 @@ static void take_corners(struct cut *cut, const struct outline *outline)
     for (int k = 0; k < outline->edges; k++) {
         int32_t c = outline->first[k];
         const double *x = outline->x[c];
-        double i = ceil((x[0] - cut->at[0]) / cut->h - 0.5 - still);
-        double j = ceil((x[1] - cut->at[1]) / cut->h - 0.5 - still);
-        i = fmin(fmax(i, 0), cut->m - 1);
-        j = fmin(fmax(j, 0), cut->n - 1);
-        int64_t p = (int64_t)i + cut->m * (int64_t)j;
+        int64_t p = find_corner(cut, outline, k);
         cut->corner[k] = (int32_t)p;
         if (cut->kind[p] == CUT_CORNER)
             continue; /* an edge before begins there */
         cut->kind[p] = CUT_CORNER;
         cut->chord[p] = c;
         for (int axis = 0; axis < 2; axis++) {
-            double y = grid(cut, axis, axis ? (int64_t)j : (int64_t)i);
+            double y = grid(cut, axis, axis ? p / cut->m : p % cut->m);
             cut->x[p][axis] = fabs(x[axis] - y) > still * cut->h ? x[axis] : y;
         }
     }

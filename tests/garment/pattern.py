@@ -322,6 +322,39 @@ def check_eased(drape, work):
     assert abs(gap - math.hypot(0.03, 0.2, 0.3)) < 1e-9, gap
 
 
+def random_darts(seed):
+    """A rectangle with a dart in each side, as narrow as a third of its depth or
+    less, with its tip anywhere."""
+    dice = random.Random(seed)
+    side, at = 20 + 10 * dice.random(), []
+    for k in range(4):
+        turn = 1j ** k
+        width = 0.4 + 2 * dice.random()
+        depth = max(3 * width, 9 * dice.random())
+        foot = side * (0.4 + 0.2 * dice.random())
+        for along, in_by in ((0, 0), (foot, 0),
+                             (foot + width * dice.random(), depth), (foot + width, 0)):
+            at.append((along - side / 2 + 1j * (in_by - side / 2)) * turn)
+    n = len(at)
+    return {"vertices": [[p.real, p.imag] for p in at],
+            "edges": [{"endpoints": [k, (k + 1) % n]} for k in range(n)],
+            "translation": [0, 0, 0], "rotation": [0, 0, 0]}
+
+
+def check_darts(drape, work):
+    """The cells of both sides of a dart do not lie over each other."""
+    panels = {f"darts {k}": random_darts(k) for k in range(30)}
+    path, out = os.path.join(work, "darts.json"), os.path.join(work, "darts")
+    write(path, panels)
+    for cell in (0.004, 0.01):
+        run(drape, path, out, cell)
+        for k in range(len(panels)):
+            file = os.path.join(out, f"{k:02}_darts_{k}.ply")
+            done = subprocess.run([drape, "audit", file], capture_output=True, text=True,
+                                  check=False)
+            assert done.returncode == 0, (cell, done.stdout, done.stderr)
+
+
 def check_arcs(drape, work):
     """The four arcs of one radius: above or below a chord of 10, small or large."""
     for large in (0, 1):
@@ -397,6 +430,7 @@ def main(drape, *paths):
                 check_file(drape, path, work)
             return
         check_square(drape, work)
+        check_darts(drape, work)
         check_arcs(drape, work)
         check_random(drape, work)
         check_seams(drape, work)
