@@ -273,6 +273,7 @@ static void make_sheet(const struct garment_panel *p, struct sheet *sheet)
 
 /* Where two outlines are near each other, in the plane of the first. */
 struct meeting {
+    bool over; /* some of the second's is well within the first */
     int count;
     double sum[2], square[3]; /* of the places: x, y; xx, xy, yy */
 };
@@ -287,27 +288,43 @@ static void add(struct meeting *m, const double x[2])
     m->square[2] += x[1] * x[1];
 }
 
-/* Adds the points of b's outline within `reach` of a's. */
+/* Adds a point of another outline, if it is within `reach` of this one, or says
+ * that it is further inside. */
+static void meet_point(const struct outline *o, const double y[2], double reach,
+                       struct meeting *m)
+{
+    double near[2], least = INFINITY;
+    bool inside = false;
+    for (int i = 0; i < 2; i++)
+        if (y[i] < o->lo[i] - reach || y[i] > o->hi[i] + reach)
+            return;
+    for (int j = 0; j < o->n; j++) {
+        const double *a = o->x[j], *b = o->x[j + 1];
+        least = fmin(least, segment_distance(y, a, b, near));
+        if ((a[1] > y[1]) != (b[1] > y[1]))
+            inside ^=
+                a[0] + (y[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0]) > y[0];
+    }
+    if (least < reach)
+        add(m, y);
+    else if (inside)
+        m->over = true;
+}
+
+/* Where the second's outline meets the first panel. */
 static void meet(const struct sheet *a, const struct sheet *b, double reach,
                  struct meeting *m)
 {
-    const struct outline *o = &a->panel->outline, *q = &b->panel->outline;
+    const struct outline *q = &b->panel->outline;
     double at[3];
     garment_stand(a->panel, (double[]){0, 0}, at);
     for (int k = 0; k < q->n; k++) {
-        double x[3], y[2], near[2];
+        double x[3];
         garment_stand(b->panel, q->x[k], x);
         for (int i = 0; i < 3; i++)
             x[i] -= at[i];
-        y[0] = vec3_dot(x, a->u);
-        y[1] = vec3_dot(x, a->v);
-        bool close = y[0] > o->lo[0] - reach && y[0] < o->hi[0] + reach &&
-                     y[1] > o->lo[1] - reach && y[1] < o->hi[1] + reach;
-        for (int j = 0; close && j < o->n; j++)
-            if (segment_distance(y, o->x[j], o->x[j + 1], near) < reach) {
-                add(m, y);
-                break;
-            }
+        meet_point(&a->panel->outline,
+                   (double[]){vec3_dot(x, a->u), vec3_dot(x, a->v)}, reach, m);
     }
 }
 
@@ -336,54 +353,82 @@ static void find_way(const struct sheet *a, const struct sheet *b,
                 : a->u[i];
 }
 
-/* Whether two panels are in one plane and near each other; out: the way from
- * the first to the second. */
-static bool is_near(const struct sheet *a, const struct sheet *b, double h,
-                    double out[3])
+/* How two panels of one plane are to each other. */
+enum nearness { FAR, TOUCH, OVERLAP };
+
+/* out: the way from the first to the second: across the line along which they
+ * touch; where one lies over the other, along their normal, the smaller one
+ * away from the middle of all, as a pocket or a sleeve. */
+static enum nearness find_nearness(const struct sheet *a, const struct sheet *b,
+                                   double h, const double middle[3],
+                                   double out[3])
 {
     double apart[3];
-    struct meeting m = {0};
     double reach = reach_of(h);
+    struct meeting m = {0}, back = {0};
     for (int i = 0; i < 3; i++)
         apart[i] = b->middle[i] - a->middle[i];
     if (a->panel->roll.radius > 0 || b->panel->roll.radius > 0)
-        return false;
+        return FAR;
     if (fabs(vec3_dot(a->n, b->n)) < cos(parallel) ||
         fabs(vec3_dot(apart, a->n)) > h / 2)
-        return false;
+        return FAR;
     meet(a, b, reach, &m);
+    meet(b, a, reach, &back);
+    if (m.over || back.over) {
+        double from[3] = {a->middle[0] - middle[0], a->middle[1] - middle[1],
+                          a->middle[2] - middle[2]};
+        bool outwards = vec3_dot(from, a->n) > 0;
+        bool smaller = b->panel->outline.area < a->panel->outline.area;
+        for (int i = 0; i < 3; i++)
+            out[i] = outwards == smaller ? a->n[i] : -a->n[i];
+        return OVERLAP;
+    }
     if (!m.count)
-        return false;
+        return FAR;
     find_way(a, b, &m, h, out);
+    return TOUCH;
+}
+
+/* Parts two panels, if they are near each other in one plane. */
+static bool part(const struct garment *garment, struct garment_panel *p,
+                 struct garment_panel *q, const double middle[3])
+{
+    struct sheet a, b;
+    double to[3];
+    make_sheet(p, &a);
+    make_sheet(q, &b);
+    enum nearness near = find_nearness(&a, &b, garment->h, middle, to);
+    if (near == FAR)
+        return false;
+    complain(APP_OK,
+             "%s: note: panels %s and %s %s in one plane, and are parted by "
+             "%g cm each",
+             garment->pattern->file, p->panel->name, q->panel->name,
+             near == TOUCH ? "touch" : "overlap", 1e2 * way);
+    for (int k = 0; k < 3; k++) {
+        p->shift[k] -= way * to[k];
+        q->shift[k] += way * to[k];
+    }
     return true;
 }
 
 void garment_part(struct garment *garment)
 {
     int panels = garment->pattern->panels;
+    double middle[3] = {0, 0, 0};
     bool moved = true;
+    for (int k = 0; k < panels; k++) {
+        struct sheet sheet;
+        make_sheet(&garment->panel[k], &sheet);
+        for (int i = 0; i < 3; i++)
+            middle[i] += sheet.middle[i] / panels;
+    }
     for (int round = 0; round < ROUNDS && moved; round++) {
         moved = false;
         for (int i = 0; i < panels; i++)
-            for (int j = i + 1; j < panels; j++) {
-                struct garment_panel *p = &garment->panel[i];
-                struct garment_panel *q = &garment->panel[j];
-                struct sheet a, b;
-                double to[3];
-                make_sheet(p, &a);
-                make_sheet(q, &b);
-                if (!is_near(&a, &b, garment->h, to))
-                    continue;
-                complain(APP_OK,
-                         "%s: note: panels %s and %s touch in one plane, and "
-                         "are parted by %g cm each",
-                         garment->pattern->file, p->panel->name, q->panel->name,
-                         1e2 * way);
-                for (int k = 0; k < 3; k++) {
-                    p->shift[k] -= way * to[k];
-                    q->shift[k] += way * to[k];
-                }
-                moved = true;
-            }
+            for (int j = i + 1; j < panels; j++)
+                moved |= part(garment, &garment->panel[i], &garment->panel[j],
+                              middle);
     }
 }

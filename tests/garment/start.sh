@@ -191,3 +191,14 @@ is 'gets its mesh, and no scene' sh -c 'test -e parted/cloth_0000.ply -a ! -e pa
 sed 's/"sphere", "radius": 0.15, "at": \[0, 0.2, 0\],/"plane", "at": [0, 0.3599, 0], "angle": 3, "axis": [0, 0, 1]}/; /detail/d' \
     tiny.json >plane.json
 exits 'a cloth that a plane goes through' 0 untangle plane.json --out parted --no-picture
+
+panels 'body["at"][2] = -9; at("front", 14); at("back", -30); at("pocket", 14, 6)
+panels["pocket"]["translation"][0] = 7; sew("front", 1, "back", 1)'
+is 'of two in one plane the smaller comes to lie outside' moved 'not way'
+is 'and both are named' grep -q \
+    'panels front and pocket overlap in one plane, and are parted by 1 cm each' err
+is 'by 2 cm' python3 -c '
+from geometry import load
+x = load("starts/frames/cloth_0000.ply")[0]
+pocket = {round(p[2], 6) for p in x if p[2] > 0.141}
+assert pocket == {0.15} and {round(p[2], 6) for p in x} == {0.15, 0.13, -0.3}'
