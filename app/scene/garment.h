@@ -55,6 +55,12 @@ bool garment_runs_back(const struct garment *garment,
  * that of a shoulder seam: where three corners meet that are sewn to each
  * other, those of the widest corner. across: [stitches]. Returns app_exit. */
 int garment_across(const struct garment *garment, bool *across);
+
+/* Whether a stitch closes a tube: its sides are of one rolled panel, or of two
+ * that face each other, so that it is drawn together along their normals. */
+bool garment_is_around(const struct garment *garment,
+                       const struct pattern_stitch *stitch,
+                       const struct cut_seam *seam);
 /* Whether a stitch closes a dart: its edges are of one panel and meet. */
 bool garment_is_dart(const struct pattern *pattern,
                      const struct pattern_stitch *stitch);

@@ -117,6 +117,8 @@ static int make_seams(struct json *json, const struct garment *garment,
             /* what is sewn from the start has no order */
             about->dart = !key->sewn && garment_is_dart(pattern, stitch);
             about->across = !key->sewn && across[k];
+            about->around =
+                !key->sewn && garment_is_around(garment, stitch, &seam);
             about->cell = garment->h;
             int longer = stitch->side[seam.longer].panel;
             status = panel_ease(json->pool, &garment->panel[longer].cut, &seam,

@@ -25,6 +25,9 @@ static const double left_open = 0.1;
 /* Edges make a panel a tube if their angle is less than 90 degrees: the cosine
  * of half of that. */
 static const double opposite = 0.7;
+/* Two panels face each other if what draws them together is within 45 degrees
+ * of the normals of both, on their wrong sides: the cosine. */
+static const double facing = 0.7;
 /* A panel may have been moved towards a third. */
 enum { ROUNDS = 8 };
 
@@ -269,6 +272,33 @@ static void make_sheet(const struct garment_panel *p, struct sheet *sheet)
         for (int i = 0; i < 3; i++)
             sheet->middle[i] += x[i] / o->n;
     }
+}
+
+bool garment_is_around(const struct garment *garment,
+                       const struct pattern_stitch *stitch,
+                       const struct cut_seam *seam)
+{
+    const struct garment_panel *p =
+        &garment->panel[stitch->side[seam->fine].panel];
+    const struct garment_panel *q =
+        &garment->panel[stitch->side[!seam->fine].panel];
+    struct sheet a, b;
+    double way[3] = {0};
+    if (p == q)
+        return p->roll.radius > 0 && !garment_is_dart(garment->pattern, stitch);
+    for (int k = 0; k < seam->n; k++) {
+        double x[3], y[3];
+        garment_stand(p, p->cut.x[seam->point[k].particle], x);
+        garment_stand(q, q->cut.x[seam->point[k].onto[0]], y);
+        for (int i = 0; i < 3; i++)
+            way[i] += x[i] - y[i];
+    }
+    make_sheet(p, &a);
+    make_sheet(q, &b);
+    double from = vec3_dot(way, a.n), to = -vec3_dot(way, b.n);
+    from = garment_is_clockwise(p->panel) ? -from : from;
+    to = garment_is_clockwise(q->panel) ? -to : to;
+    return fmin(from, to) > facing * vec3_length(way);
 }
 
 /* Where two outlines are near each other, in the plane of the first. */

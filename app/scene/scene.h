@@ -24,6 +24,7 @@ struct scene_seam {
     char *name;           /* of both edges */
     bool dart;            /* its edges are of one panel and meet */
     bool across;          /* garment_across */
+    bool around;          /* garment_is_around */
     double cell;          /* m, side of the garment's cells */
     const double *length; /* [n] m, of the seam that each point stands for */
 };

@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const sewing_stages[SEWING_STAGES] = {"darts", "seams", "across",
-                                                  "worn", "moving"};
+const char *const sewing_stages[SEWING_STAGES] = {"darts",  "around", "seams",
+                                                  "across", "worn",   "moving"};
 
 /* The fastest target. Within a step of 1/60 s it falls by 8 mm, which is less
  * than cloth moves when it falls freely for 0.05 s. */
@@ -70,6 +70,7 @@ static int make_seams(struct sewing *s)
         const struct scene_seam *about = &s->scene->seam[k];
         seam->stage = about->dart     ? SEWING_DARTS
                       : about->across ? SEWING_ACROSS
+                      : about->around ? SEWING_AROUND
                                       : SEWING_SEAMS;
     }
     return APP_OK;
@@ -440,6 +441,16 @@ static bool is_done(struct sewing *s)
     return all || (double)s->still * s->whole.dt > patience;
 }
 
+/* Whether a gap is open that nothing holds back. */
+static bool is_closing(const struct sewing *s)
+{
+    bool closing = false;
+    for (int k = 0; k < s->whole.n_seams; k++)
+        closing |= s->seam[k].index >= 0 && !s->seam[k].waiting &&
+                   !sewing_is_closed(s, k);
+    return closing;
+}
+
 /* Whether the garments have come to rest: from an anchor that is a while old,
  * which is set anew where particles go too far from it. */
 static int find_rest(struct sewing *s)
@@ -463,7 +474,7 @@ static int find_rest(struct sewing *s)
         s->still_since = s->steps;
     }
     s->rest = (double)(s->steps - s->still_since) * s->whole.dt > rest_time &&
-              !holds_will_end(s);
+              !holds_will_end(s) && !is_closing(s);
     return APP_OK;
 }
 

@@ -9,6 +9,8 @@
  * gravity and friction; and then the bodies move, from their time 0 on. */
 enum sewing_stage {
     SEWING_DARTS,  /* seams within a panel whose edges meet */
+    SEWING_AROUND, /* those of panels that face each other across a limb, so
+                      that it is within before anything draws them off it */
     SEWING_SEAMS,  /* the others, together: what closes later holds in its place
                       what closes before */
     SEWING_ACROSS, /* those that cross the end of one of these: while that is

@@ -37,7 +37,7 @@ class Seam:
 
     Attributes:
         name: the edges that it joins, as "front 1 to back 7"
-        stage: in which its turn comes: "darts" or "seams"
+        stage: in which its turn comes: "darts", "around", "seams" or "across"
         points: particles that it holds
         gap: m, the largest; gap_cells: as a part of a cell
         pull: N/m, the largest
@@ -88,7 +88,7 @@ class SewnFrame:
 
     Attributes:
         frame, step: its number, and the steps before it
-        stage: "darts", "seams", "across", "worn" or "moving"
+        stage: "darts", "around", "seams", "across", "worn" or "moving"
         gap_cells: the largest gap as a part of a cell, of the seams whose turn has
             come; seam: which has it; open: how many are; waiting: their points that
             pull as hard as they may

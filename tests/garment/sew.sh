@@ -107,6 +107,29 @@ all(s["closed"] and s["gap_cells"] < 0.01 for s in sew["seams"])'
 is 'a seam across the end of another comes after it' closed '
 [s["stage"] for s in sew["seams"]] == ["seams", "across", "across"]
 and 0 < sew["stages"]["across"] < sew["stages"]["worn"]'
+# a sleeve around an arm, whose end is sewn to what is 30 cm further down
+halves '
+def panel(name, width, *at):
+    ring = [[0, 0], [width, 0], [width, 16], [0, 16]]
+    panels[name] = {"vertices": ring, "edges": edges, "translation": at,
+                    "rotation": [0, 0 if at[2] > 0 else 180, 0]}
+panels = pattern["panels"] = {}
+panel("front", 20, -10, -8, 12)
+panel("back", 20, 10, -8, -12)
+panel("chest", 8, 12, -38, 12)
+panel("spine", 8, 20, -38, -12)
+pattern["stitches"] = [[{"panel": a, "edge": i}, {"panel": b, "edge": j}] for a, i, b, j in
+    (("front", 2, "back", 2), ("front", 0, "back", 0), ("front", 1, "chest", 3),
+     ("back", 3, "spine", 1))]'
+echo '{"frames": 110, "gravity": [0, 0, 0],
+    "obstacles": [{"shape": "capsule", "radius": 0.04, "length": 0.6, "at": [0, 0, 0],
+                   "angle": 90, "axis": [0, 0, 1]}],
+    "garments": [{"pattern": "halves.json", "cell": 0.02}]}' >arm.json
+exits 'a sleeve is sewn' 0 sew arm.json --no-picture --out shirt --force
+is 'around its arm before to anything else' closed '
+[s["stage"] for s in sew["seams"]] == ["around", "around", "seams", "seams"]
+and 0 == sew["stages"]["around"] < sew["stages"]["seams"]
+and all(s["closed"] for s in sew["seams"])'
 halves 'left["translation"] = [-3, 0, 0]'
 exits 'a T-shirt is sewn on a body' 0 sew worn.json --frames 120 --no-picture \
     --out shirt --trace --force
