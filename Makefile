@@ -243,9 +243,9 @@ include ci/install.mk ci/flavours.mk ci/fuzz.mk ci/upkeep.mk ci/python.mk \
 check: ## everything that must hold
 	@python3 ci/check.py $(BUILD)
 # What its parts share, so that they can run side by side.
-check-parts: all $(ACC) $(BUILD)/whole.txt $(BUILD)/replay corpus \
+check-parts: all $(BUILD)/single $(BUILD)/whole.txt $(BUILD)/replay corpus \
     $(if $(HAS_ORACLE),$(BUILD)/frames)
-	@$(MAKE) --no-print-directory $(BUILD)/validate || rm -f $(BUILD)/validate
+	@$(MAKE) --no-print-directory $(BY_PACKAGE) || rm -f $(BY_PACKAGE)
 
 demo: $(BUILD)/drape ## drapes a cloth over the lion: pictures, film, report
 	@sh ci/demo.sh $(BUILD)
@@ -260,6 +260,6 @@ help: ## this list
 	@echo 'ARCHES=   "80 90", say: for which devices; all: every one nvcc knows'
 
 -include $(patsubst %.o,%.d,$(REF_O) $(TEST_O) $(WHOLE_O) $(APP_O) $(ORC_O) \
-  $(EMU_O) $(CUDA_O) $(PRICE_O) $(filter %.o,$(ACC_O)))
+  $(EMU_O) $(CUDA_O) $(PRICE_O) $(filter %.o,$(SINGLE)) $(BARE_O))
 -include $(patsubst %.o,%.d,$(PARTS) $(BUILD)/fuzz/main.o \
   $(BUILD)/bench/narrow.32.o $(ROOT)/oracle/frames.o $(ROOT)/oracle/table.o)

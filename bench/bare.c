@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Replaces the stages that the bare scene does not use by functions that end
  * the program. It is linked before the library, so that the library's own
- * stages are not linked. never.c */
+ * stages are not linked. spec/accuracy.md §7 */
 #include <stdlib.h>
 
 #define NEVER(name)                                                            \

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the parts of build/accuracy share: files, checks, memory and a clock. */
-#include "bench/accuracy.h"
+/* What the parts of build/single share: files, checks, memory and a clock. */
+#include "bench/bench.h"
 
 #include <stdarg.h>
 #include <stdlib.h>
@@ -12,7 +12,7 @@ FILE *bench_csv(const struct bench *b, const char *name, const char *header)
     snprintf(path, sizeof path, "%s/%s.csv", b->directory, name);
     FILE *out = fopen(path, "w");
     if (!out) {
-        fprintf(stderr, "accuracy: %s: cannot be written\n", path);
+        fprintf(stderr, "single: %s: cannot be written\n", path);
         exit(2);
     }
     fprintf(out, "%s\n", header);
@@ -39,16 +39,15 @@ void *bench_take(size_t count, size_t size)
 {
     void *p = calloc(count + 1, size);
     if (!p) {
-        fputs("accuracy: out of memory\n", stderr);
+        fputs("single: out of memory\n", stderr);
         exit(2);
     }
     return p;
 }
 
-double bench_clock(const struct bench *b)
+double bench_clock(void)
 {
     struct timespec t;
-    bool wall = b->wall || b->backend == DRAPE_GPU;
-    clock_gettime(wall ? CLOCK_MONOTONIC : CLOCK_PROCESS_CPUTIME_ID, &t);
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }

@@ -3,27 +3,38 @@
 
 .PHONY: bench validate tables compare price launches outcomes oracles many
 MACHINE ?= $(shell uname -m)
+# Programs that are modules of this tree, by the Python package.
+BY_PACKAGE := $(BUILD)/accuracy $(BUILD)/validate
+define package
+@rm -f $@
+@printf '#!/bin/sh\nPYTHONPATH=%s exec %s -m $(1) "$$@"\n' \
+  "$(CURDIR):$(abspath $(PACKAGE))" "$(abspath $(PY))/venv/bin/python" >$@
+@chmod +x $@
+endef
 
-# Time against error, stability, skipped work: spec/accuracy.md. A few files
-# look inside; all else is the public API, so a device runs it too.
-ACC     := $(BUILD)/accuracy $(BUILD)/accuracy-bare
-ACC_O   := $(call obj,$(addprefix bench/,backends bench bisect contact drift \
-           never newton orders parts runs samples skip solids stability stages stress \
-           work),) \
-           $(call obj,bench/impact,.32) $(call obj,bench/forced,.64) \
+# Time against error, stability, skipped work, by the package, so that a device runs them
+# too; and a library for what looks inside. spec/accuracy.md
+BARE_O  := $(call obj,bench/bare) $(call obj,bench/inside,.64) \
+           $(call obj,$(addprefix tests/,base/reals cloth/sheet),.64) \
+           $(call obj,tests/base/choices)
+BARE_U  := $(addprefix -Wl$(comma)-u$(comma)drape_,create step read destroy)
+$(BUILD)/bare.so: $(BARE_O) $(INSIDE)
+	$(C17) -shared -Wl,--allow-multiple-definition $(BARE_U) $^ -o $@ -lm \
+	  $(if $(GPU),$(CUDA_L))
+$(BUILD)/accuracy: $(PACKAGE)/made $(BUILD)/bare.so
+	$(call package,bench.accuracy --inside $(abspath $(BUILD))/bare.so)
+
+# Single stages, which are inside the library. spec/accuracy.md §8
+SINGLE  := $(call obj,$(addprefix bench/,bench bisect stages)) $(call obj,bench/impact,.32) \
            $(foreach p,.32 .64,$(call obj,bench/solves \
            $(addprefix tests/,base/reals cloth/sheet solve/solver solve/system),$(p))) \
-           $(call obj,tests/base/choices) $(ORC_O) $(INSIDE)
-ACC_L   := $(ORC_L) -lstdc++ -lm \
-           $(if $(GPU),$(CUDA_L))
-$(BUILD)/accuracy: $(ACC_O)
-	$(C17) $^ -o $@ $(ACC_L)
-$(BUILD)/accuracy-bare: $(BUILD)/bench/bare.o $(ACC_O)
-	$(C17) -Wl,--allow-multiple-definition $^ -o $@ $(ACC_L)
+           $(call obj,tests/base/choices) $(ORC_O)
+$(BUILD)/single: $(SINGLE) $(INSIDE)
+	$(C17) $^ -o $@ $(ORC_L) -lstdc++ -lm $(if $(GPU),$(CUDA_L))
 
 # Many small worlds on one machine. It looks inside to choose how a device runs.
 $(BUILD)/bench/many.32.o: DEFINES := $(if $(GPU),-DMANY_GPU)
-$(BUILD)/many: $(BUILD)/bench/many.32.o $(BUILD)/bench/solids.o $(INSIDE)
+$(BUILD)/many: $(BUILD)/bench/many.32.o $(INSIDE)
 	$(C17) $^ -o $@ -lpthread $(if $(GPU),$(CUDA_L),-lm)
 many: $(BUILD)/many ## steps of many small worlds a second, on a device, as csv
 	$(BUILD)/many
@@ -35,14 +46,11 @@ $(BUILD)/speed: $(BUILD)/bench/narrow.32.o $(BUILD)/tests/narrow/ply.32.o \
 
 # Physics as a suite, by the Python package: spec/validation.md.
 $(BUILD)/validate: $(PACKAGE)/made
-	@rm -f $@
-	@printf '#!/bin/sh\nPYTHONPATH=%s exec %s -m validate "$$@"\n' \
-	  "$(CURDIR):$(abspath $(PACKAGE))" "$(abspath $(PY))/venv/bin/python" >$@
-	@chmod +x $@
+	$(call package,validate)
 validate: $(BUILD)/validate ## what cloth does against theory: validate/MACHINE
 	sh validate/run.sh $(BUILD) $(MACHINE)
 
-bench: $(BUILD)/check $(BUILD)/speed $(ACC) $(BUILD)/drape ## time, bytes, error, as csv, plots
+bench: $(addprefix $(BUILD)/,check speed accuracy single drape) ## time, bytes, error, as csv, plots
 	sh bench/run.sh $(BUILD) $(MACHINE)
 	$(if $(GPU),$(BUILD)/accuracy --backend gpu bench/$(MACHINE) backends)
 	$(if $(GPU),$(MAKE) tables)

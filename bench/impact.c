@@ -2,12 +2,12 @@
 /* Compares times of impact by drape_ccd, by FCL's Newton and by conservative
  * bisection with exact rationals, and distances with long double.
  * spec/accuracy.md §8 */
-#include "bench/impact.h"
-
+#include <drape.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "bench/bench.h"
 #include "bench/bisect.h"
 #include "oracle/oracle.h"
 #include "ref/narrow/closest.h"
@@ -91,10 +91,10 @@ static void family(struct bench *b, FILE *out, bool grazing)
         touching += orc_ccd_gmp(q[k].kind, (const double(*)[3])q[k].x[0],
                                 (const double(*)[3])q[k].x[1], &truth[k]) == 1;
     for (int m = 0; m < METHODS; m++) {
-        double start = bench_clock(b);
+        double start = bench_clock();
         for (int k = 0; k < n; k++)
             hit[k] = answer(m, &q[k], &t[k]);
-        s[m].seconds = bench_clock(b) - start;
+        s[m].seconds = bench_clock() - start;
         for (int k = 0; k < n; k++)
             judge(&s[m], truth[k] != ORC_NEVER, 0x1p-30 * truth[k], hit[k],
                   t[k]);

@@ -4,9 +4,11 @@
  * next world that nobody has taken; and by one call of drape_step_many. All
  * ways start from the same states and must end in the same bits. `build/many
  * --help` lists the options. */
-#include "bench/accuracy.h"
-
+#include <drape.h>
+#include <math.h>
 #include <pthread.h>
+#include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -22,7 +24,6 @@ enum { WAYS = 16 };
 /* One world, and its checkpoint at the start of each way. */
 struct one {
     drape_world *world;
-    struct solid ball;
     char *saved;
     size_t bytes, room, read;
     uint64_t digest; /* of the state at the end of the last way */
@@ -41,7 +42,7 @@ struct many {
     pthread_mutex_t lock;
 };
 
-void *bench_take(size_t count, size_t size)
+static void *take(size_t count, size_t size)
 {
     void *p = calloc(count ? count : 1, size);
     if (!p) {
@@ -112,7 +113,7 @@ static int digest(struct one *w, int steps)
     size_t n = (size_t)drape_vertices(w->world), bytes = 3 * sizeof(double);
     uint64_t hash = 14695981039346656037u; /* FNV-1a */
     (void)steps;
-    unsigned char *x = bench_take(2 * n, bytes);
+    unsigned char *x = take(2 * n, bytes);
     int status = drape_read(w->world, (double(*)[3])(void *)x,
                             (double(*)[3])(void *)(x + n * bytes));
     for (size_t k = 0; k < 2 * n * bytes; k++)
@@ -141,7 +142,7 @@ static void *work(void *user)
  * returns how long that took, s. Ends the program if a call fails. */
 static double each(struct many *m, int threads, visit *what, int steps)
 {
-    pthread_t *thread = bench_take((size_t)threads, sizeof *thread);
+    pthread_t *thread = take((size_t)threads, sizeof *thread);
     double start = now();
     m->what = what;
     m->count = steps;
@@ -167,7 +168,7 @@ static double each(struct many *m, int threads, visit *what, int steps)
  * took, s. */
 static double all_at_once(struct many *m, int threads, int steps)
 {
-    drape_world **world = bench_take((size_t)m->worlds, sizeof *world);
+    drape_world **world = take((size_t)m->worlds, sizeof *world);
     for (int k = 0; k < m->worlds; k++)
         world[k] = m->one[k].world;
     double start = now();
@@ -194,6 +195,38 @@ static void tune(const struct many *m, drape_world *world)
 #endif
 }
 
+/* Makes a sphere of 0.2 m of rings of vertices; the two poles are the last. */
+static void make_ball(const double at[3], drape_obstacle *ball)
+{
+    enum { RINGS = 11, DETAIL = 24, N = RINGS * DETAIL };
+    static double vertex[N + 2][3];
+    static int32_t tri[2 * N][3];
+    const double pi = 3.14159265358979323846;
+    for (int p = 0; p < N + 2; p++) {
+        double a = pi * (p / DETAIL + 1) / (RINGS + 1);
+        double b = 2 * pi * (p % DETAIL) / DETAIL;
+        double x[3] = {sin(a) * cos(b), cos(a), sin(a) * sin(b)};
+        if (p >= N) {
+            x[0] = x[2] = 0;
+            x[1] = p == N ? 1 : -1;
+        }
+        for (int k = 0; k < 3; k++)
+            vertex[p][k] = at[k] + 0.2 * x[k];
+    }
+    for (int p = 0; p < N; p++) {
+        int right = p / DETAIL * DETAIL + (p + 1) % DETAIL;
+        int32_t up[3] = {p, right, p < DETAIL ? N : right - DETAIL};
+        int32_t down[3] = {p, p + DETAIL >= N ? N + 1 : p + DETAIL, right};
+        memcpy(tri[2 * p], up, sizeof up);
+        memcpy(tri[2 * p + 1], down, sizeof down);
+    }
+    drape_default_obstacle(ball);
+    ball->n_vertices = N + 2;
+    ball->n_triangles = 2 * (int64_t)N;
+    ball->x = (const double(*)[3])vertex;
+    ball->tri = (const int32_t(*)[3])tri;
+}
+
 /* Makes world k: a sheet that falls on a ball, which lies at another place in
  * each world. */
 static void make(const struct many *m, int k)
@@ -201,12 +234,13 @@ static void make(const struct many *m, int k)
     struct one *w = &m->one[k];
     drape_def def;
     drape_cloth cloth;
+    drape_obstacle ball;
     drape_error error = {{0}};
     double part = (double)k / m->worlds;
     const double at[3] = {0.1 * part - 0.05, 0, 0.02 * (k % 5)};
     drape_default(&def);
     drape_default_cloth(&cloth);
-    solid_ball(&w->ball, 0.2, at, 24);
+    make_ball(at, &ball);
     cloth.m = m->cells[0] + 1;
     cloth.n = m->cells[1] + 1;
     cloth.width = 0.02 * m->cells[0];
@@ -217,7 +251,7 @@ static void make(const struct many *m, int k)
     cloth.material.thickness = 0.004;
     def.cloths = &cloth;
     def.n_cloths = 1;
-    def.obstacles = &w->ball.body;
+    def.obstacles = &ball;
     def.n_obstacles = 1;
     def.backend = m->backend;
     def.integrator = m->integrator;
@@ -236,7 +270,7 @@ static void prepare(struct many *m)
 {
     drape_memory memory = {0};
     double start = now();
-    m->one = bench_take((size_t)m->worlds, sizeof *m->one);
+    m->one = take((size_t)m->worlds, sizeof *m->one);
     for (int k = 0; k < m->worlds; k++)
         make(m, k);
     double made = now();
@@ -266,7 +300,7 @@ static void prepare(struct many *m)
 /* Measures all ways. Returns the number of worlds whose bits differ. */
 static int measure(struct many *m)
 {
-    uint64_t *first = bench_take((size_t)m->worlds, sizeof *first);
+    uint64_t *first = take((size_t)m->worlds, sizeof *first);
     double alone = 0;
     int all = 0;
     for (int way = 0; way < m->ways + (m->together > 0); way++) {
@@ -378,7 +412,6 @@ int main(int argc, char **argv)
     int different = measure(&m);
     for (int k = 0; k < m.worlds; k++) {
         drape_destroy(m.one[k].world);
-        solid_free(&m.one[k].ball);
         free(m.one[k].saved);
     }
     free(m.one);

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Runs one part of bench/run.sh: a part of build/accuracy; or `bench`, which
-# times all stages and the narrow phase; or `speed`, which times whole scenes for
+# Runs one part of bench/run.sh: a part of build/accuracy; or `single`, by build/single;
+# or `bench`, which times all stages and the narrow phase; or `speed`, which times whole scenes for
 # `drape plan`; or `counts` of scenes rich in contact; or `lion`, errors with contact.
 # Prints how many seconds it took.
 # usage: bench/part.sh BUILD OUT PART OPTIONS
@@ -33,6 +33,11 @@ if [ "$part" = lion ]; then
     python3 bench/lion.py "$build/drape" "$out" "${BACKEND-ref}"
     echo "lion: $(($(date +%s) - start)) s"
     exit
+fi
+if [ "$part" = single ]; then
+    quick=
+    case $4 in *--quick*) quick=--quick ;; esac
+    exec "$build/single" $quick "$out"
 fi
 if [ "$part" = counts ]; then
     exec python3 bench/counts.py "$build/drape" "$out"

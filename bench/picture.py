@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures of tables, by matplotlib: what bench/accuracy.py and validate/plots.py
+"""Pictures of tables, by matplotlib: what bench/accuracy and validate
 share. A page is a folder of csv files, in which its pictures appear."""
 import csv
 import os

@@ -12,7 +12,7 @@ export OMP_NUM_THREADS=1 OMP_WAIT_POLICY=passive
 
 # The longest part comes first. Times within a part are compared with each
 # other, so a part is one process.
-parts='stress work counts speed newton drift contact orders stages skip stability'
+parts='stress work counts speed newton drift contact orders single skip stability'
 options="--backend ${BACKEND-ref}"
 if [ -n "${QUICK-}" ]; then
     out=$build/quick options="$options --quick"
@@ -27,7 +27,7 @@ for python in python3 /usr/bin/python3 ''; do
     [ -z "$python" ] || "$python" -c 'import matplotlib' 2>/dev/null && break
 done
 if [ -n "$python" ]; then
-    "$python" bench/accuracy.py "$out"
+    "$python" -m bench.accuracy.plots "$out"
 else
     echo 'skipped: no pictures without python3-matplotlib'
 fi

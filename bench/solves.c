@@ -6,26 +6,19 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
+#include "bench/bench.h"
 #include "ref/solve/product.h"
 #include "tests/solve/solver.h"
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* Returns the seconds of a product: the least of 15. */
 static double time_product(struct product *p)
 {
     double least = 1e9;
     for (int k = 0; k < 15; k++) {
-        double start = now();
+        double start = bench_clock();
         ref_product(p);
-        double t = now() - start;
+        double t = bench_clock() - start;
         least = t < least ? t : least;
     }
     return least;
@@ -78,7 +71,7 @@ static void solve(FILE *out, const struct system *a, const char *shape,
                   struct pcg *s, int *missed)
 {
     solver_open(s, a);
-    double start = now();
+    double start = bench_clock();
     ref_pcg(s);
     fprintf(out, "%d,%d,%s,%s,%.0e,%d,%.3e,%.3e,%s,%.4g\n", REAL_BITS, s->m,
             shape, s->precond ? "multigrid" : "jacobi", (double)s->tolerance,
@@ -86,7 +79,7 @@ static void solve(FILE *out, const struct system *a, const char *shape,
             s->outcome == PCG_CONVERGED ? "converged"
             : s->outcome == PCG_STALLED ? "stalled"
                                         : "limit",
-            1e3 * (now() - start));
+            1e3 * (bench_clock() - start));
     *missed += s->outcome == PCG_CONVERGED && !(s->residual <= s->tolerance);
     solver_close(s);
 }

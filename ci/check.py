@@ -48,6 +48,7 @@ PARTS = {
     "embed": ("the installed library in programs of C, C++ and CMake", 20),
     "maps": ("README's pipeline, the table of stages and the files", 30),
     "accuracy": ("time against error, in a short form", 20),
+    "single": ("solves, times of impact and distances by themselves", 1),
     "prove": ("Gappa's proofs of the filters' constants", 20),
     "golden-1": ("recorded hashes of all stages", 10),
     "golden-3": ("recorded hashes of all stages, three threads", 5),

@@ -88,6 +88,16 @@ with_tool() {
     fi
 }
 
+# Runs a part that needs the Python package; skips it if that was not built.
+with_package() {
+    if [ -x "$1" ]; then
+        count "$@"
+    else
+        skip "there is no $1: the Python package was not built (sh ci/deps.sh \
+installs what it needs)"
+    fi
+}
+
 # needs PROGRAM [VERSION]: skips the part where the program is not installed, or is of
 # another version: each version of clang-tidy and clang-format judges otherwise, and
 # the tree is held to those of Debian 12.
@@ -117,15 +127,11 @@ case $part in
 build) one make -j"$jobs" BUILD="$build" check-parts ;;
 self) count "$build/check" --self-test ;;
 device) count "$build/check" --gpu ;;
-accuracy) count "$build/accuracy" --quick "$build" ;;
+single) count "$build/single" --quick "$build" ;;
+accuracy) with_package "$build/accuracy" --quick "$build" ;;
 validate)
     mkdir -p "$build/validation"
-    if [ -x "$build/validate" ]; then
-        count "$build/validate" --quick "$build/validation"
-    else
-        skip "there is no $build/validate: the Python package was not built (sh \
-ci/deps.sh installs what it needs)"
-    fi
+    with_package "$build/validate" --quick "$build/validation"
     ;;
 tests) count "$build/check" --tests ;;
 golden-1) count "$build/check" --golden tests/golden/stages.txt ;;

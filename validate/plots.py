@@ -1,15 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures of what build/validate wrote.  usage: plots.py DIRECTORY"""
-import os
+"""Pictures of what build/validate wrote.  usage: python -m validate.plots DIRECTORY"""
 import re
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..",
-                                "bench"))
-from picture import COLOURS, Page  # noqa: E402: it lies in bench/
+from bench.picture import COLOURS, Page
 
-import matplotlib.pyplot as plt  # noqa: E402: picture chooses how it draws
-from matplotlib import ticker  # noqa: E402
+import matplotlib.pyplot as plt  # picture chooses how it draws
+from matplotlib import ticker
 
 PAGE = Page(sys.argv[1], 9)
 rows = PAGE.rows

@@ -17,7 +17,7 @@ for python in ${PYTHON-} python3 /usr/bin/python3 ''; do
     [ -z "$python" ] || "$python" -c 'import matplotlib' 2>/dev/null && break
 done
 if [ -n "$python" ]; then
-    "$python" validate/plots.py "$out"
+    "$python" -m validate.plots "$out"
 else
     echo 'skipped: no plots without python3-matplotlib'
 fi

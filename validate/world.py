@@ -16,7 +16,7 @@ NOTHING = ffi.NULL
 
 
 def doubles(array):
-    return ffi.cast("double (*)[3]", array.ctypes.data)
+    return NOTHING if array is None else ffi.cast("double (*)[3]", array.ctypes.data)
 
 
 def total(rows):
@@ -45,7 +45,8 @@ def around(number):
 
 class Cloth:
     """m × n particles in square cells of side h, all at one place; with the library's
-    defaults. pins: (i, j, number of a motion, or -1)."""
+    defaults. pins: (i, j, number of a motion, or -1). x, v: None leaves them to the
+    library."""
 
     def __init__(self, m, n, h):
         self.struct = ffi.new("drape_cloth *")
@@ -152,24 +153,28 @@ class Scene:
         return self.keys([*times, end],
                          [*ways, [one * (end - start - ramp / 2) for one in velocity]])
 
-    def keys(self, times, ways):
-        """Adds a motion by keyframes. Returns its number."""
-        motion = ffi.new("drape_motion *")
+    def keys(self, times, ways, rotations=None, pivot=(0, 0, 0)):
+        """Adds a motion by keyframes; rotations are quaternions. Returns its number."""
+        motion = ffi.new("drape_motion *", {"pivot": pivot})
         times, ways = np.array(times, float), np.array(ways, float)
         self.kept += [times, ways]
         motion.keys = len(times)
         motion.time = ffi.cast("double *", times.ctypes.data)
         motion.position = doubles(ways)
+        if rotations:
+            rotations = np.array(rotations, float)
+            self.kept.append(rotations)
+            motion.rotation = ffi.cast("double (*)[4]", rotations.ctypes.data)
         self.motions.append(motion)
         return len(self.motions) - 1
 
-    def world(self):
-        """A world of all that; None after a line on standard error."""
+    def fill(self):
+        """Gives the settings all that. Returns what must be kept as long as they are."""
         settings = self.settings
         cloths = ffi.new("drape_cloth[]", max(1, len(self.cloths)))
         bodies = ffi.new("drape_obstacle[]", [body[0] for body in self.bodies])
         motions = ffi.new("drape_motion[]", [each[0] for each in self.motions])
-        kept = []
+        kept = [cloths, bodies, motions]
         for k, cloth in enumerate(self.cloths):
             cloths[k] = cloth.struct[0]
             pins = ffi.new("drape_pin[]", cloth.pins)
@@ -181,11 +186,24 @@ class Scene:
         settings.cloths, settings.n_cloths = cloths, len(self.cloths)
         settings.obstacles, settings.n_obstacles = bodies, len(self.bodies)
         settings.motions, settings.n_motions = motions, len(self.motions)
+        return kept
+
+    def create(self):
+        """A world of all that, or None; and why it was refused, else nothing."""
+        kept = self.fill()
         made, error = ffi.new("drape_world **"), ffi.new("drape_error *")
-        if lib.drape_create(settings, made, error) != 0:
-            print("validate:", ffi.string(error.text).decode(), file=sys.stderr)
-            return None
-        return World(ffi.gc(made[0], lib.drape_destroy), settings.dt)
+        status = lib.drape_create(self.settings, made, error)
+        del kept
+        if status != 0:
+            return None, ffi.string(error.text).decode()
+        return World(ffi.gc(made[0], lib.drape_destroy), self.settings.dt), ""
+
+    def world(self):
+        """A world of all that; None after a line on standard error."""
+        made, text = self.create()
+        if text:
+            print("validate:", text, file=sys.stderr)
+        return made
 
 
 class World:

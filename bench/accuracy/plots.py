@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pictures of what build/accuracy wrote, and the table of settings.
-usage: accuracy.py DIRECTORY"""
+usage: python -m bench.accuracy.plots DIRECTORY"""
 import os
 import sys
 
 import matplotlib.pyplot as plt
 
-from picture import Page, number
+from bench.picture import Page, number
 
 HERE = sys.argv[1]
 COLOUR = {"euler": "#b0672a", "midpoint": "#7a9a2e", "verlet": "#1b7f5c",
