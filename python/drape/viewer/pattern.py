@@ -69,7 +69,7 @@ class Pattern:
         made = list(bodies)
         for k, x in self.rest.items():
             uv = (x / np.array(made[k].size)).astype(np.float32)
-            made[k] = replace(made[k], uv=uv)
+            made[k] = replace(made[k], uv=uv, rest=x)
         return made
 
     def lay(self, room: float) -> dict[int, Array]:

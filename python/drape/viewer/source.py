@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -175,7 +175,7 @@ class Meshes:
             name += "'"
         self._x[name] = np.asarray(x)[:, body.rows]
         kind = mesh.kind or "cloth"
-        return Body(name, kind, body.rows, body.faces, None, None, None, body.moving)
+        return replace(body, name=name, kind=kind)
 
     def frames(self) -> Sequence[int]:
         """The numbers of the frames."""
