@@ -113,7 +113,6 @@ class Live:
     """
 
     no_contacts = "an explicit integrator lists no contacts"
-    no_pattern = ""
 
     def __init__(self, scene: str | Path | World, paced: bool = False) -> None:
         """Takes a world, or makes that of a scene's file, and starts the thread."""
@@ -121,7 +120,7 @@ class Live:
         self.world = world
         self.title = world.name
         self._bodies = [_body(world, k) for k in range(len(world.bodies))]
-        self.pattern = pattern_of(world._open().definition, self._bodies)
+        self.pattern = pattern_of(world, self._bodies)
         self.bodies: Sequence[Body] = self._bodies
         self.seconds = world.dt * world.steps_per_frame
         self.camera: dict[str, Any] | None = tree_of(world._text).get("camera")

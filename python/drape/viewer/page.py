@@ -231,8 +231,6 @@ class Page:
     def _pattern_controls(self) -> None:
         gui, there = self.server.gui, self._flat is not None
         self.pattern: Any = gui.add_checkbox("Pattern", there, visible=there)
-        if self.source.no_pattern:
-            gui.add_markdown(f"*no pattern: {self.source.no_pattern}*")
         if self._flat:
             with gui.add_folder("Seams", expand_by_default=False):
                 gui.add_html(self._flat.pattern.legend())

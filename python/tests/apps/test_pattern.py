@@ -10,18 +10,18 @@ import numpy as np
 from needs import need
 
 import drape
-from apps.runs import sew
+from apps.runs import STILL, make, sew
 from drape.export.cli import export
 from drape.export.run import Body, Run
 from drape.viewer import strain
 from drape.viewer.live import Live
-from drape.viewer.pattern import Pattern, Side, colour_of
+from drape.viewer.pattern import GROUND, HELD, Pattern, Side, colour_of, perceived
 from drape.viewer.source import Recorded
 
 
 def pattern_of(source: Recorded | Live) -> Pattern:
     """The pattern of a source that has one."""
-    assert source.pattern and not source.no_pattern
+    assert source.pattern
     return source.pattern
 
 
@@ -94,18 +94,42 @@ def test_a_live_scene_has_the_pattern_of_its_run(sewn: Path) -> None:
 
 def test_a_run_without_garments_has_none(still: Path) -> None:
     source = Recorded(still)
-    assert source.pattern is None and not source.no_pattern
-    assert source.bodies is source.run.bodies
+    assert source.pattern is None and source.bodies is source.run.bodies
+    assert not (still / "rest.ply").exists() and not (still / "seams.json").exists()
 
 
-def test_a_pattern_that_is_gone_is_told(sewn: Path, tmp_path: Path) -> None:
-    for name in ("report.json", "sew.json", "frames", "obstacles.ply"):
-        (tmp_path / name).symlink_to(sewn / name)
+def test_a_run_has_the_pattern_of_its_garments(sewn: Path, tmp_path: Path) -> None:
     scene = json.loads((sewn / "sewn.json").read_text())
-    scene["garments"][0]["pattern"] = "gone.json"
-    (tmp_path / "sewn.json").write_text(json.dumps(scene))
-    source = Recorded(tmp_path)
-    assert source.pattern is None and "gone.json" in source.no_pattern
+    scene["garments"][0]["sewn"] = str(sewn / scene["garments"][0]["sewn"])
+    source = Recorded(make(tmp_path / "worn", scene, "--frames", "2"))
+    mine, theirs = pattern_of(source), pattern_of(Recorded(sewn))
+    assert [k for k in mine.rest] == [k for k in theirs.rest]
+    for k, x in mine.rest.items():
+        assert np.array_equal(x, theirs.rest[k])
+    for a, b in zip(mine.seams, theirs.seams, strict=True):
+        assert (a.name, a.colour) == (b.name, b.colour) and not a.end
+        assert np.array_equal(a.sides[1].ends, b.sides[1].ends)
+    assert "drape run --contacts" in source.no_contacts
+    # a run that another one replaces leaves nothing of its own
+    folder = make(tmp_path / "worn", STILL, "--force", "--frames", "1")
+    assert Recorded(folder).pattern is None and not (folder / "rest.ply").exists()
+
+
+def test_attachments_are_on_the_pattern(tmp_path: Path) -> None:
+    source = Recorded(sew(tmp_path, 60, [{"label": "neck", "to": "world"}]))
+    pattern = pattern_of(source)
+    rows = json.loads((source.run.folder / "sew.json").read_text())
+    assert len(pattern.attachments) == len(rows["attachments"]) > 0
+    for each, row in zip(pattern.attachments, rows["attachments"], strict=True):
+        assert each.name == row["name"] and len(np.unique(each.edges)) == row["points"]
+        assert each.end == f"held from step {row['from']}"
+        x = pattern.rest[each.body][each.edges]
+        assert 0 < np.linalg.norm(x[:, 1] - x[:, 0], axis=1).max() < 0.12
+        assert each.name in pattern.legend()
+    lines, colours = pattern.lines(lambda k: np.pad(pattern.rest[k], ((0, 0), (0, 1))))
+    held = (colours == HELD).all((1, 2)).sum()
+    assert held == sum(len(each.edges) for each in pattern.attachments)
+    assert len(lines) == len(colours)
 
 
 def test_an_open_seam_says_by_how_much(tmp_path: Path) -> None:
@@ -115,11 +139,12 @@ def test_an_open_seam_says_by_how_much(tmp_path: Path) -> None:
     assert "open by" in pattern.legend() and "front 1 to back 7" in pattern.legend()
 
 
-def test_colours_of_many_seams_differ() -> None:
-    rgb = np.array([colour_of(k) for k in range(48)], float)
-    apart = np.linalg.norm(rgb[:, None] - rgb, axis=-1) + 999 * np.eye(48)
-    assert apart.min() > 5
-    assert np.linalg.norm(rgb[1:] - rgb[:-1], axis=1).min() > 100
+def test_colours_of_seams_differ() -> None:
+    lab = perceived(np.array([*(colour_of(k) for k in range(48)), GROUND, HELD]))
+    apart = np.linalg.norm(lab[:, None] - lab, axis=-1) + 9 * np.eye(len(lab))
+    ten = [*range(10), 48, 49]
+    assert apart[np.ix_(ten, ten)].min() > 0.18  # was 0.07, of two greens
+    assert apart.min() > 0.08
 
 
 def lengths(x: np.ndarray, faces: np.ndarray) -> np.ndarray:
