@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drape._core import ffi
+from drape.export import mesh
 from drape.export.run import Body, Run
 
 if TYPE_CHECKING:
@@ -147,8 +148,7 @@ class Pattern:
 def perceived(rgb: Array) -> Array:
     """[n, 3] sRGB colours, 0 to 255, in OKLab (B. Ottosson 2020), in which distances
     are about as large as they look."""
-    part = np.asarray(rgb, np.float64) / 255
-    linear = np.where(part <= 0.04045, part / 12.92, ((part + 0.055) / 1.055) ** 2.4)
+    linear = mesh.linear(np.asarray(rgb, np.float64) / 255)
     lab: Array = np.cbrt(linear @ CONES.T) @ OPPONENTS.T
     return lab
 
