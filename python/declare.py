@@ -14,9 +14,10 @@ import cffi
 
 ROOT = Path(__file__).resolve().parent.parent
 
-# The fields of app/scene/scene.h and of cloth.h there that Python reads or sets; "..."
-# lets the compiler place them.
+# The fields of app/scene/scene.h, and of look.h and cloth.h there, that Python reads or
+# sets; "..." lets the compiler place them.
 SCENE = """
+struct look { double colour[3]; ...; };
 struct camera { double eye[3], target[3]; double fov; ...; };
 struct scene {
     drape_def def;
@@ -26,6 +27,7 @@ struct scene {
     double memory;
     struct camera camera;
     char **cloth_name, **obstacle_name, **motion_name;
+    struct look *cloth_look, *obstacle_look;
     int status;
     ...;
 };

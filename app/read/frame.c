@@ -92,7 +92,20 @@ static void number_vertices(const struct mesh *mesh, int32_t *number)
             number[k] = next++;
 }
 
-/* Writes a body as an object: its name, vertices and places on its grid. */
+/* Writes where a particle of a cloth is on the sheet, 0 to 1 along each side; a
+ * panel's border is not where the grid has it. */
+static void put_place(FILE *out, const struct part *part, int64_t k)
+{
+    double u = (double)(k % part->m) / (part->m - 1);
+    double v = (double)(k / part->m) / (part->n - 1);
+    if (part->rest) {
+        u = part->rest[k][0] / part->size[0];
+        v = part->rest[k][1] / part->size[1];
+    }
+    fprintf(out, "vt %.9g %.9g\n", u, v);
+}
+
+/* Writes a body as an object: its name, vertices and places on its sheet. */
 static void put_object(FILE *out, const struct part *part, double (*x)[3],
                        const int32_t *number, int bits)
 {
@@ -108,9 +121,7 @@ static void put_object(FILE *out, const struct part *part, double (*x)[3],
                     digits, x[k][2]);
     for (int64_t k = 0; part->m && k < part->nv; k++)
         if (number[k])
-            fprintf(out, "vt %.9g %.9g\n",
-                    (double)(k % part->m) / (part->m - 1),
-                    (double)(k / part->m) / (part->n - 1));
+            put_place(out, part, k);
 }
 
 static void put_face(FILE *out, const int32_t tri[3], const int32_t *number,

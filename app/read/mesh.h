@@ -76,6 +76,9 @@ struct part {
                        before */
     int m, n; /* particles of a cloth along u and v; 0: an obstacle, which has
                  no UVs */
+    const double (*rest)[2]; /* [nv] m, particles of a panel at rest; NULL: the
+                                grid has them */
+    double size[2];          /* m, of the grid at rest */
 };
 /* Writes parts as objects by their names, without vertices of no triangle. */
 bool obj_save_parts(const char *directory, const char *name,

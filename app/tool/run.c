@@ -6,6 +6,7 @@
 #include "app/write/checkpoint.h"
 #include "app/write/output.h"
 #include "app/write/parted.h"
+#include "app/write/seams.h"
 #include "app/write/trace.h"
 
 #include <stdlib.h>
@@ -57,6 +58,7 @@ static int open_output(struct run *run)
     run->report.impulses.first = run->report.count;
     int status = output_open(&run->output, scene, run->world, run->out, &claim);
     if (status == APP_OK && (!parted_write(scene, run->out) ||
+                             !seams_write(scene, &scene->def, 0, run->out) ||
                              !report_write(&run->report, scene, run->world,
                                            run->out, "unfinished")))
         status = APP_FAILED;

@@ -7,6 +7,7 @@
 #include "app/write/output.h"
 #include "app/write/parted.h"
 #include "app/write/report.h"
+#include "app/write/seams.h"
 #include "app/write/sewn.h"
 #include "app/write/trace.h"
 
@@ -219,6 +220,7 @@ static int begin(struct sew *sew, const char *file)
         output_open(&sew->output, scene, sew->sewing.world, sew->out, &claim);
     if (status == APP_OK &&
         (!parted_write(scene, sew->out) ||
+         !seams_write(scene, &sew->sewing.whole, sew->sewing.holds, sew->out) ||
          !report_write(&sew->report, scene, sew->sewing.world, sew->out,
                        "unfinished")))
         status = APP_FAILED;

@@ -82,8 +82,8 @@ static const struct kind {
 static const char *const results[] = {
     "report.json", "obstacles.ply",    "cloth.pc2",     "trace.csv",
     "film.mp4",    "checkpoint.drape", "obstacles.obj", "sew.json",
-    "sewn.json",   "parted.json"};
-enum { KINDS = 10, FILM_PICTURES = 6, RESULTS = 10, FILM = 4, CHECKPOINT = 5 };
+    "sewn.json",   "parted.json",      "rest.ply",      "seams.json"};
+enum { KINDS = 10, FILM_PICTURES = 6, RESULTS = 12, FILM = 4, CHECKPOINT = 5 };
 
 static int remove_file(const char *directory, const char *name)
 {

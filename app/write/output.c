@@ -26,8 +26,12 @@ static int make_parts(struct output *o, const struct scene *scene,
                      drape_first_triangle(world, body);
         if (k < cloths) {
             part[k].name = scene->cloth_name[k];
-            part[k].m = scene->def.cloths[k].m;
-            part[k].n = scene->def.cloths[k].n;
+            const drape_cloth *cloth = &scene->def.cloths[k];
+            part[k].m = cloth->m;
+            part[k].n = cloth->n;
+            part[k].rest = cloth->panel ? cloth->panel->rest : NULL;
+            part[k].size[0] = cloth->width;
+            part[k].size[1] = cloth->height;
         } else {
             part[k].name = scene->obstacle_name[k - cloths];
         }
@@ -97,6 +101,36 @@ static int write_still(struct output *o, const drape_world *world)
     return good ? APP_OK : APP_FAILED;
 }
 
+/* Where a particle of a cloth is on its sheet at rest, m. */
+static void put_at_rest(const struct part *part, int64_t k, double x[3])
+{
+    if (part->rest) {
+        x[0] = part->rest[k][0];
+        x[1] = part->rest[k][1];
+    } else {
+        x[0] = part->size[0] * (double)(k % part->m) / (part->m - 1);
+        x[1] = part->size[1] * (double)(k / part->m) / (part->n - 1);
+    }
+    x[2] = 0;
+}
+
+/* Writes the cloths flat, as they are at rest, where one is a panel: only its
+ * outline's particles are not where the grid in report.json has them. */
+static int write_rest(struct output *o)
+{
+    bool panels = false;
+    int64_t v = 0;
+    for (int k = 0; k < o->cloths; k++)
+        panels |= o->cloth_part[k].rest != NULL;
+    if (!panels)
+        return APP_OK;
+    for (int k = 0; k < o->cloths; k++)
+        for (int64_t i = 0; i < o->cloth_part[k].nv; i++)
+            put_at_rest(&o->cloth_part[k], i, o->cloth.x[v++]);
+    bool good = ply_save(o->directory, "rest.ply", &o->cloth, 64);
+    return good ? APP_OK : APP_FAILED;
+}
+
 int output_open(struct output *o, const struct scene *scene,
                 const drape_world *world, const char *directory,
                 const struct claim *claim)
@@ -115,6 +149,8 @@ int output_open(struct output *o, const struct scene *scene,
         status = APP_FAILED;
     if (status == APP_OK)
         status = make_views(o, scene, world);
+    if (status == APP_OK)
+        status = write_rest(o);
     return status == APP_OK ? write_still(o, world) : status;
 }
 

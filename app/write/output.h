@@ -6,8 +6,9 @@
  *   frames/contacts_0000.ply     what touched in the frame's last step, where
  *                                asked for
  *   .obj                         with each of these, where asked for
+ *   rest.ply                     the cloths at rest, where there are panels
  *   cloth.pc2                    all frames, for Blender's Mesh Cache
- *   report.json checkpoint.drape trace.csv parted.json */
+ *   report.json checkpoint.drape trace.csv parted.json seams.json */
 #ifndef APP_WRITE_OUTPUT_H
 #define APP_WRITE_OUTPUT_H
 

@@ -3,6 +3,7 @@
 #include "app/base/app.h"
 #include "app/write/checkpoint.h"
 #include "app/write/output.h"
+#include "app/write/seams.h"
 #include "python/core/core.h"
 
 #include <stdlib.h>
@@ -30,7 +31,8 @@ static int begin(core_run *run, drape_world *world, const char *folder,
                           force};
     status = output_open(&run->output, run->scene, world, out, &claim);
     if (status == APP_OK &&
-        !report_write(&run->report, run->scene, world, out, "unfinished"))
+        (!seams_write(run->scene, &run->scene->def, 0, out) ||
+         !report_write(&run->report, run->scene, world, out, "unfinished")))
         status = APP_FAILED;
     return status;
 }

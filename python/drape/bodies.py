@@ -8,7 +8,7 @@ import os
 import reprlib
 import weakref
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -42,12 +42,16 @@ class Body:
     particles: tuple[int, int] | None = None
     size: tuple[float, float] | None = None
 
+    _panel: NDArray[np.float64] | None = field(default=None, repr=False, compare=False)
+
     @property
     def rest(self) -> NDArray[np.float64]:
         """[m·n, 2] m, where each particle of a cloth is on the sheet at rest, from
-        its corner u0 v0."""
+        its corner u0 v0. Those at a panel's outline are not where the grid has them."""
         if self.particles is None or self.size is None:
             raise SceneError(f"{self.name}: an obstacle has no sheet at rest")
+        if self._panel is not None:
+            return self._panel
         (m, n), (width, height) = self.particles, self.size
         u, v = np.linspace(0, width, m), np.linspace(0, height, n)
         return np.stack([np.tile(u, n), np.repeat(v, m)], axis=1)
@@ -203,7 +207,12 @@ class Bodies:
                 c = definition.cloths[k]
                 name = ffi.string(scene.cloth_name[k]).decode(errors="replace")
                 grid, size = (c.m, c.n), (c.width, c.height)
-                yield Body(name, "cloth", vertices, triangles, grid, size)
+                panel = None
+                if c.panel:
+                    at = ffi.buffer(c.panel.rest, 16 * c.m * c.n)
+                    panel = np.frombuffer(at).reshape(-1, 2).copy()
+                    panel.flags.writeable = False
+                yield Body(name, "cloth", vertices, triangles, grid, size, panel)
             else:
                 names = scene.obstacle_name
                 name = ffi.string(names[k - definition.n_cloths])

@@ -76,9 +76,9 @@ def of_run(run: Run) -> Data:
     uv = np.full((int(v[-1]), 2), np.nan, np.float32)
     rest = np.full((int(v[-1]), 2), np.nan)
     for k, body in enumerate(bodies):
-        if body.uv is not None and body.size is not None:
+        if body.uv is not None and body.rest is not None:
             uv[v[k] : v[k + 1]] = body.uv
-            rest[v[k] : v[k + 1]] = body.uv.astype(np.float64) * body.size
+            rest[v[k] : v[k + 1]] = body.rest
     spans = [list(pairwise(each)) for each in (v, t)]
     return {
         "triangles": np.concatenate(

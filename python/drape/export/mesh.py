@@ -29,14 +29,15 @@ SHARP = np.cos(np.radians(40))
 def colour(body: Body, number: int) -> tuple[float, float, float]:
     """The linear colour of body `number`: the scene's, or that of its kind."""
     if body.colour is not None:
-        r, g, b = (linear(part) for part in body.colour)
+        r, g, b = linear(np.array(body.colour)).tolist()
         return r, g, b
     return CLOTHS[number % len(CLOTHS)] if body.kind == "cloth" else STONE
 
 
-def linear(part: float) -> float:
-    """A part of an sRGB colour, 0 to 1, as a linear one."""
-    return part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4
+def linear(rgb: Array) -> Array:
+    """Parts of sRGB colours, 0 to 1, as linear ones."""
+    bright = ((rgb + 0.055) / 1.055) ** 2.4
+    return np.where(rgb <= 0.04045, rgb / 12.92, bright)
 
 
 def _unit(v: Array) -> Array:

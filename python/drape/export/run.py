@@ -50,7 +50,9 @@ class Body:
     faces: NDArray[np.int32]
     """[triangles, 3] vertices of the body, from 0."""
     uv: NDArray[np.float32] | None
-    """[vertices, 2] places on the cloth's grid, 0 to 1 along each edge."""
+    """[vertices, 2] places on the cloth at rest, 0 to 1 along each edge of its grid."""
+    rest: NDArray[np.float64] | None
+    """The same in m."""
     grid: tuple[int, int] | None
     """Particles of a cloth along u and v."""
     size: tuple[float, float] | None
@@ -75,7 +77,7 @@ def make_body(name: str, tri: NDArray[np.int32], moving: bool) -> Body:
     rows, flat = np.unique(tri, return_inverse=True)
     faces = flat.reshape(-1, 3).astype(np.int32)
     return Body(
-        name, "obstacle", rows.astype(np.int64), faces, None, None, None, moving
+        name, "obstacle", rows.astype(np.int64), faces, None, None, None, None, moving
     )
 
 
@@ -85,13 +87,24 @@ def make_cloth(
     first: int,
     grid: tuple[int, int],
     size: tuple[float, float],
+    rest: NDArray[np.float64] | None = None,
 ) -> Body:
-    """A cloth of these triangles, whose particle 0 is row `first` of a frame."""
+    """A cloth of these triangles, whose particle 0 is row `first` of a frame.
+
+    Args:
+        rest: [particles, 2] m, where they are at rest; None: where the grid has them
+    """
     body = make_body(name, tri, True)
+    who = body.rows - first
     m, n = grid
-    i, j = (body.rows - first) % m, (body.rows - first) // m
-    uv = np.stack([i / (m - 1), j / (n - 1)], 1).astype(np.float32)
-    return replace(body, kind="cloth", uv=uv, grid=grid, size=size)
+    if rest is None:
+        uv = np.stack([who % m / (m - 1), who // m / (n - 1)], 1)
+        rest = uv * size
+    else:
+        rest = rest[who]
+        uv = rest / size
+    made = replace(body, kind="cloth", uv=uv.astype(np.float32), rest=rest)
+    return replace(made, grid=grid, size=size)
 
 
 def read_ply(path: Path) -> tuple[Positions, NDArray[np.int32]]:
@@ -180,6 +193,12 @@ class Run:
         self._vertices = {"cloth": len(x), "obstacle": 0}
         # the bodies of one frame share its file
         self._all = lru_cache(maxsize=4)(self._load)
+        self._rest: Positions | None = None  # a run of panels has them
+        path = self.folder / "rest.ply"
+        if path.exists():
+            self._rest, _ = read_ply(path)
+            if len(self._rest) != len(x):
+                raise RunError(f"{path}: of another run than report.json's")
         first = [int(b["first_vertex"]) for b in list_]
         cloths = sum(b["kind"] == "cloth" for b in list_)
         first.append(int(self.report["vertices"]))
@@ -210,7 +229,10 @@ class Run:
             return replace(make_body(name, tri, moving), colour=colour)
         m, n = (int(k) for k in body["particles"])
         width, height = (float(k) for k in body["size"])
-        made = make_cloth(name, tri, first, (m, n), (width, height))
+        rest = None
+        if self._rest is not None:
+            rest = self._rest[first : first + m * n, :2].astype(np.float64)
+        made = make_cloth(name, tri, first, (m, n), (width, height), rest)
         return replace(made, colour=colour)
 
     def _path(self, kind: str, frame: int) -> Path:

@@ -40,16 +40,27 @@ def contacts_of(world: World) -> Contacts | None:
     return Contacts(points.astype(np.float32), forces.astype(np.float32))
 
 
+def _colour(looks: Any, k: int) -> tuple[float, float, float] | None:
+    """What a scene says of the colour of one of its bodies; None: nothing."""
+    if not looks or looks[k].colour[0] < 0:
+        return None
+    r, g, b = looks[k].colour
+    return r, g, b
+
+
 def _body(world: World, k: int) -> Body:
     """A body of the world, as a page shows it."""
-    body = world.bodies[k]
-    tri = world.triangles[body.triangles]
+    body, handle = world.bodies[k], world._open()
+    tri, scene = world.triangles[body.triangles], handle.scene
     if body.particles is None or body.size is None:
-        definition = world._open().definition
-        obstacle = definition.obstacles[k - definition.n_cloths]
-        return make_body(body.name, tri, obstacle.motion >= 0 or obstacle.frames > 0)
+        k -= handle.definition.n_cloths
+        obstacle = handle.definition.obstacles[k]
+        moving = obstacle.motion >= 0 or obstacle.frames > 0
+        made = make_body(body.name, tri, moving)
+        return replace(made, colour=_colour(scene.obstacle_look, k))
     first = body.vertices.start
-    return make_cloth(body.name, tri, first, body.particles, body.size)
+    made = make_cloth(body.name, tri, first, body.particles, body.size, body.rest)
+    return replace(made, colour=_colour(scene.cloth_look, k))
 
 
 class Grip:
@@ -102,7 +113,6 @@ class Live:
     """
 
     no_contacts = "an explicit integrator lists no contacts"
-    no_pattern = ""
 
     def __init__(self, scene: str | Path | World, paced: bool = False) -> None:
         """Takes a world, or makes that of a scene's file, and starts the thread."""
@@ -110,9 +120,7 @@ class Live:
         self.world = world
         self.title = world.name
         self._bodies = [_body(world, k) for k in range(len(world.bodies))]
-        self.pattern = pattern_of(world._open().definition, self._bodies)
-        if self.pattern:
-            self._bodies = self.pattern.with_rest(self._bodies)
+        self.pattern = pattern_of(world, self._bodies)
         self.bodies: Sequence[Body] = self._bodies
         self.seconds = world.dt * world.steps_per_frame
         self.camera: dict[str, Any] | None = tree_of(world._text).get("camera")

@@ -115,10 +115,12 @@ class _Flat:
             middle = (x.min(0) + x.max(0)) / 2
             name = f"/pattern/name {k:03d}"
             scene.add_label(name, body.name, position=middle, anchor="center-center")
-        points, self.colours = self.pattern.lines(lambda k: flat[k])
+        points, colours = self.pattern.lines(lambda k: flat[k])
+        # viser takes colours of lines for linear ones
+        linear = np.round(255 * mesh.linear(colours / 255)).astype(np.uint8)
         add = scene.add_line_segments
-        add("/pattern/seams", points, self.colours, thickness=width)
-        self.seams: Any = add("/seams", points, self.colours, thickness=width)
+        add("/pattern/seams", points, linear, thickness=width)
+        self.seams: Any = add("/seams", points, linear, thickness=width)
         self.nodes.append(self.seams)
 
     def show(self, on: bool, at: Callable[[int], NDArray[Any]]) -> None:
@@ -231,8 +233,6 @@ class Page:
     def _pattern_controls(self) -> None:
         gui, there = self.server.gui, self._flat is not None
         self.pattern: Any = gui.add_checkbox("Pattern", there, visible=there)
-        if self.source.no_pattern:
-            gui.add_markdown(f"*no pattern: {self.source.no_pattern}*")
         if self._flat:
             with gui.add_folder("Seams", expand_by_default=False):
                 gui.add_html(self._flat.pattern.legend())

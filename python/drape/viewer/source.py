@@ -5,17 +5,17 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drape.errors import Error, SceneError
+from drape.errors import SceneError
 from drape.export.run import Body, Positions, Run, make_body
 from drape.meshes import Mesh
-from drape.viewer.pattern import Pattern, sewn_pattern
+from drape.viewer.pattern import Pattern, pattern_of_run
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,8 +49,6 @@ class Source(Protocol):
     """Why there are no contacts, where there are none."""
     pattern: Pattern | None
     """Of garments that are sewn; None: there are none."""
-    no_pattern: str
-    """Why a run that was sewn has no pattern; empty: it has, or was not sewn."""
 
     def frames(self) -> Sequence[int]:
         """The numbers of the frames that can be shown now."""
@@ -85,21 +83,15 @@ class Recorded:
     """The frames of a run's folder; while the run goes on there come more."""
 
     no_contacts = "`drape run --contacts` writes contacts"
-    no_pattern = ""
 
     def __init__(self, folder: str | Path) -> None:
         """Opens the folder of a run."""
         self.run = Run(folder)
         self.title = self.run.scene
         self.bodies: Sequence[Body] = self.run.bodies
-        self.pattern: Pattern | None = None
-        try:
-            self.pattern = sewn_pattern(self.run.folder, self.run.bodies)
-        except Error as error:  # its frames can be shown all the same
-            self.no_pattern = str(error)
-        if self.pattern:
-            self.bodies = self.pattern.with_rest(self.run.bodies)
-            again = self.run.folder / "sewn.json"
+        self.pattern = pattern_of_run(self.run)
+        again = self.run.folder / "sewn.json"
+        if again.exists():
             self.no_contacts = f"`drape sew` writes none, `drape view {again}` has them"
         self.seconds = self.run.seconds
         self.camera: dict[str, Any] | None = self.run.report.get("camera")
@@ -152,7 +144,6 @@ class Meshes:
 
     no_contacts = "meshes have no contacts"
     pattern: Pattern | None = None
-    no_pattern = ""
     camera: dict[str, Any] | None = None
 
     def __init__(self, meshes: Sequence[Mesh], title: str) -> None:
@@ -175,7 +166,7 @@ class Meshes:
             name += "'"
         self._x[name] = np.asarray(x)[:, body.rows]
         kind = mesh.kind or "cloth"
-        return Body(name, kind, body.rows, body.faces, None, None, None, body.moving)
+        return replace(body, name=name, kind=kind)
 
     def frames(self) -> Sequence[int]:
         """The numbers of the frames."""

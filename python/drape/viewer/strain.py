@@ -19,9 +19,9 @@ SCALE = np.array([[0.02, 0.06, 0.60], [0.30, 0.30, 0.29], [0.60, 0.02, 0.02]])
 def _measure(body: Body) -> Array:
     """What gives F^T F of each triangle by its edges now: [3, 3, triangles], of which
     row k has the factors of a·a, a·b and b·b in entry 11, 12 or 22."""
-    if body.uv is None or body.size is None:
+    if body.rest is None:
         raise ValueError(f"{body.name}: an obstacle has no strain")
-    x, y = (body.uv.astype(np.float64) * body.size).T
+    x, y = body.rest.T
     i, j, k = body.faces.T
     ax, ay, bx, by = x[j] - x[i], y[j] - y[i], x[k] - x[i], y[k] - y[i]
     # the inverse of the edges at rest; its rows are r and s

@@ -67,15 +67,17 @@ def tool() -> Path:
     return path
 
 
-def sew(folder: Path, frames: int) -> Path:
+def sew(folder: Path, frames: int, attach: Any = (), *options: str) -> Path:
     """Sews a T-shirt in cells of 40 mm about a capsule, and returns the run's folder.
     Its seams close within 60 frames."""
     chest = {"shape": "capsule", "radius": 0.12, "length": 0.6, "at": [0, 1.12, 0]}
     garment = {"pattern": str(ROOT / "app/patterns/tee.json"), "cell": 0.04}
+    garment |= {"attach": attach} if attach else {}
     scene = {"name": "tee", "garments": [garment], "obstacles": [chest]}
     file, run = folder / "scene.json", folder / "run"
     file.write_text(json.dumps(scene))
     command = [tool(), "sew", file, "--frames", str(frames), "--out", run]
+    command += options
     done = subprocess.run(command, capture_output=True, text=True)
     # it fails where seams are open, and has written all the same
     assert (run / "sewn.json").exists(), done.stderr

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import drape
-from apps.runs import FRAMES, moving
+from apps.runs import FRAMES, STILL, moving
 from drape.contacts import Contacts
 from drape.errors import SceneError
 from drape.export import Run
@@ -158,3 +158,15 @@ def test_an_explicit_integrator_has_no_contacts(scene: Path) -> None:
     source = live.Live(scene)
     wait(source)
     assert source.contacts(1) is None
+
+
+def test_a_live_scene_has_its_own_colours() -> None:
+    scene = json.loads(json.dumps(STILL))
+    scene["cloths"][1]["look"] = {"colour": [0.1, 0.7, 0.3]}
+    scene["obstacles"][0]["look"] = {"colour": [0.2, 0.2, 0.9]}
+    source = live.Live(drape.World(scene), paced=True)
+    try:
+        colours = [body.colour for body in source.bodies]
+    finally:
+        source.close()
+    assert colours == [None, (0.1, 0.7, 0.3), (0.2, 0.2, 0.9), None]

@@ -24,6 +24,7 @@ from needs import need, program
 
 import drape
 from apps.runs import STILL, make, moving
+from drape.export import mesh
 from drape.viewer.live import GRIP, Live
 from drape.viewer.source import Contacts, Recorded, Source, step_words
 
@@ -32,6 +33,7 @@ need("pygltflib")
 playwright = need("playwright.sync_api")
 from drape.viewer.cli import main, open_source  # noqa: E402
 from drape.viewer.page import Page  # noqa: E402
+from drape.viewer.stage import display  # noqa: E402
 
 # Until what a test waits for has failed. A picture that Chromium draws in software
 # takes a second, and half a minute where others use the processors.
@@ -262,6 +264,22 @@ def test_keys_loop_and_steps(still: Path, browser: Any) -> None:
         window.get_by_text("stretched 2 %").wait_for()
         window.get_by_text("Keys").click()
         window.get_by_text("see all").wait_for()
+
+
+def near(p: np.ndarray, rgb: tuple[int, ...]) -> int:
+    """Number of pixels of about a colour."""
+    return int((np.abs(p - np.array(rgb)).max(-1) < 30).sum())
+
+
+def test_colours_are_those_that_are_asked_for(sewn: Path, browser: Any) -> None:
+    """In light neither paler nor darker; lines are in no light at all."""
+    source = Recorded(sewn)
+    assert source.pattern
+    with shown(source, browser) as view:
+        front = display(mesh.colour(source.bodies[0], 0))
+        view.until(lambda p: near(p, front) > 1000, "front")
+        long = [seam.colour for seam in source.pattern.seams[:4]]
+        view.until(lambda p: min(near(p, rgb) for rgb in long) > 40, "seams")
 
 
 def test_the_pattern_of_a_garment(sewn: Path, browser: Any) -> None:
