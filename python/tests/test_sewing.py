@@ -56,13 +56,13 @@ def test_a_garment_is_sewn_and_goes_on(flaps: Path, tmp_path: Path) -> None:
     )
     written = json.loads((out / "sew.json").read_text())
     (seam,) = sewn.seams
-    assert (seam.name, seam.stage, seam.points) == ("front 2 to back 2", "seams", 11)
+    assert (seam.name, seam.stage, seam.points) == ("front 2 to back 2", "around", 11)
     assert seam.closed and seam.gap < 0.05 * 0.02 and seam.pull > 0
     assert seam.gap == written["seams"][0]["gap_m"]
     assert sewn.open == [] and sewn.clean and sewn.outcome == drape.Outcome(0)
-    assert sewn.stages == {"seams": 0, "worn": written["stages"]["worn"]}
+    assert sewn.stages == {"around": 0, "worn": written["stages"]["worn"]}
     assert len(sewn.frames) == sewn.steps + 1
-    assert [each.stage for each in sewn.frames[:: sewn.steps]] == ["seams", "worn"]
+    assert [each.stage for each in sewn.frames[:: sewn.steps]] == ["around", "worn"]
     assert sewn.frames[0].gap_cells > 1 > sewn.frames[-1].gap_cells
     assert list(sewn.pictures) == ["front", "back"]
     assert all(file.read_bytes()[1:4] == b"PNG" for file in sewn.pictures.values())
@@ -196,7 +196,7 @@ def test_a_seam_that_cannot_close_is_told(flaps: Path) -> None:
     (seam,) = sewn.open
     assert seam.gap > 0.02 and seam.closed is None
     assert 0 < seam.waiting <= 11 and seam.pull == pytest.approx(30, rel=1e-3)
-    assert sewn.stages == {"seams": 0} and sewn.end == "complete" and sewn.clean
+    assert sewn.stages == {"around": 0} and sewn.end == "complete" and sewn.clean
 
 
 def test_what_is_refused(flaps: Path, tmp_path: Path) -> None:

@@ -432,9 +432,10 @@ def test_contacts_and_impulses(still: Path, browser: Any) -> None:
         view.until(lambda p: red(p) > 2000, "no contacts")
         bare = view.still()
         contacts.check()
-        view.until(lambda p: differ(p, bare) > 1, "contacts")
+        view.until(lambda p: differ(p, bare) > 20, "contacts")
         contacts.uncheck()
-        view.until(lambda p: differ(p, bare) == 0, "contacts off")
+        # a block or two of edges differ where it draws with fewer pixels by now
+        view.until(lambda p: differ(p, bare) < 5, "contacts off")
 
 
 def test_a_film_of_the_run(still: Path, browser: Any, tmp_path: Path) -> None:
