@@ -5,7 +5,7 @@
 MACHINE ?= $(shell uname -m)
 # Programs that are modules of this tree, by the Python package.
 BY_PACKAGE := $(BUILD)/accuracy $(BUILD)/validate
-define package
+define by_package
 @rm -f $@
 @printf '#!/bin/sh\nPYTHONPATH=%s exec %s -m $(1) "$$@"\n' \
   "$(CURDIR):$(abspath $(PACKAGE))" "$(abspath $(PY))/venv/bin/python" >$@
@@ -22,7 +22,7 @@ $(BUILD)/bare.so: $(BARE_O) $(INSIDE)
 	$(C17) -shared -Wl,--allow-multiple-definition $(BARE_U) $^ -o $@ -lm \
 	  $(if $(GPU),$(CUDA_L))
 $(BUILD)/accuracy: $(PACKAGE)/made $(BUILD)/bare.so
-	$(call package,bench.accuracy --inside $(abspath $(BUILD))/bare.so)
+	$(call by_package,bench.accuracy --inside $(abspath $(BUILD))/bare.so)
 
 # Single stages, which are inside the library. spec/accuracy.md §8
 SINGLE  := $(call obj,$(addprefix bench/,bench bisect stages)) $(call obj,bench/impact,.32) \
@@ -46,7 +46,7 @@ $(BUILD)/speed: $(BUILD)/bench/narrow.32.o $(BUILD)/tests/narrow/ply.32.o \
 
 # Physics as a suite, by the Python package: spec/validation.md.
 $(BUILD)/validate: $(PACKAGE)/made
-	$(call package,validate)
+	$(call by_package,validate)
 validate: $(BUILD)/validate ## what cloth does against theory: validate/MACHINE
 	sh validate/run.sh $(BUILD) $(MACHINE)
 
