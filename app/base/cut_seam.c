@@ -67,13 +67,13 @@ static bool find_line(const struct cut_side *side, struct line *line)
 }
 
 /* Holds a particle to the other edge. false: to itself, as at a dart's tip, or
- * to a place behind the last particle of an edge whose corner no cell reaches.
- */
+ * to a place behind the last particle of an edge whose corner no cell reaches,
+ * if another particle is held there that is as near. */
 static bool hold(const struct line *to, bool same, const struct place *at,
                  struct cut_point *out)
 {
     const struct place *q = to->place;
-    double reach = to->n > 1 ? 1.5 / to->n : 0;
+    double reach = to->n > 1 ? 0.5 / to->n : 0;
     if (!to->n || at->at < q[0].at - reach || at->at > q[to->n - 1].at + reach)
         return false;
     int k = 0;
