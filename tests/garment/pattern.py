@@ -355,6 +355,26 @@ def check_darts(drape, work):
             assert done.returncode == 0, (cell, done.stdout, done.stderr)
 
 
+def check_sharp(drape, work):
+    """Where no cell reaches a sharp corner, no two particles are held to one place."""
+    panels, stitches = {}, []
+    for k in range(8):
+        high = 1.5 + 0.4 * k  # to a length of 20
+        at = {f"wedge {k}": [[0, 0], [20, 0], [20, high]],
+              f"whole {k}": [[0, 0], [20, 0], [20, 15], [0, 15]]}
+        for name, ring in at.items():
+            panels[name] = {"vertices": ring, "translation": [0, 0, 30],
+                            "edges": [{"endpoints": [i, (i + 1) % len(ring)]}
+                                      for i in range(len(ring))]}
+        stitches.append([{"panel": name, "edge": 0} for name in at])
+    path = os.path.join(work, "sharp.json")
+    write(path, panels, stitches)
+    tables, _ = run(drape, path, os.path.join(work, "sharp"), 0.01)
+    ends = [(row["seam"], row["onto_a"]) for row in tables["points"]
+            if row["onto_a"] == row["onto_b"]]
+    assert len(set(ends)) == len(ends), ends
+
+
 def check_arcs(drape, work):
     """The four arcs of one radius: above or below a chord of 10, small or large."""
     for large in (0, 1):
@@ -431,6 +451,7 @@ def main(drape, *paths):
             return
         check_square(drape, work)
         check_darts(drape, work)
+        check_sharp(drape, work)
         check_arcs(drape, work)
         check_random(drape, work)
         check_seams(drape, work)
