@@ -98,6 +98,8 @@ def sew(drape, file, mesh, cell, options):
 
 
 def main(drape, code, out, first, last, cell="0.01", *options):
+    if not os.path.isdir(os.path.join(code, "assets/garment_programs")):
+        sys.exit(f"designs: {code}: no clone of GarmentCode")
     sys.path.insert(0, code)
     warnings.simplefilter("ignore")  # of rotations that are a quarter turn
     os.makedirs(out, exist_ok=True)

@@ -11,6 +11,7 @@ from drape._core import lib
 
 from validate import (belt, converge, drapes, grip, impact, layers, meeting, motion,
                       plane, slopes, statue, stickslip, strips)
+from validate.command import parse
 
 PARTS = {
     "cylinder": plane.cylinder, "plane": plane.plane, "tension": plane.tension,
@@ -87,22 +88,13 @@ def main():
     parser = argparse.ArgumentParser(
         "validate", description="Writes values-PART.csv and properties-PART.csv.",
         epilog="Exit status 1: a promised property misses its bar.")
-    parser.add_argument("--quick", action="store_true", help="a small form")
     parser.add_argument("--fine", action="store_true", help="cells of 1 mm in §6")
-    parser.add_argument("--backend", choices=("ref", "gpu"), default="ref")
     parser.add_argument("--precision", type=int, choices=(32, 64))
-    parser.add_argument("directory", metavar="DIRECTORY")
-    parser.add_argument("parts", metavar="PART", nargs="*", default=[],
-                        help=f"default: all of {' '.join(PARTS)}")
-    options = parser.parse_args()
-    for part in options.parts:
-        if part not in PARTS:
-            parser.error(f"there is no part {part}")
+    options = parse(parser, PARTS)
     np.seterr(all="ignore")
     v = Validate(options)
-    for part in PARTS:
-        if part in options.parts or not options.parts:
-            v.run(part, [options.precision] if options.precision else [64, 32])
+    for part in options.parts:
+        v.run(part, [options.precision] if options.precision else [64, 32])
     if v.known:
         print(f"known: {v.known} properties that are not promised miss their bars")
     print(f"{v.passed} passed, {v.failed} failed")

@@ -65,10 +65,7 @@ static bool is_inside(const struct rows *rows, const double x[2])
     bool inside = false;
     for (int64_t k = rows->first[row]; k < rows->first[row + 1]; k++) {
         const double *a = rows->outline->x[rows->chord[k]], *b = a + 2;
-        if ((a[1] > x[1]) == (b[1] > x[1]))
-            continue;
-        double t = (x[1] - a[1]) / (b[1] - a[1]);
-        inside ^= a[0] + t * (b[0] - a[0]) > x[0];
+        inside ^= segment_meets_ray(x, a, b);
     }
     return inside;
 }

@@ -67,8 +67,8 @@ static bool find_line(const struct cut_side *side, struct line *line)
 }
 
 /* Holds a particle to the other edge. false: to itself, as at a dart's tip, or
- * to a place behind the last particle of an edge whose corner no cell reaches,
- * if another particle is held there that is as near. */
+ * further than half a spacing behind the last particle of an edge whose corner
+ * no cell reaches: two would be held to that one, which no pull closes. */
 static bool hold(const struct line *to, bool same, const struct place *at,
                  struct cut_point *out)
 {

@@ -148,6 +148,14 @@ static bool is_between(const double a[2], const double b[2], const double c[2])
            fmin(a[1], b[1]) <= c[1] && c[1] <= fmax(a[1], b[1]);
 }
 
+bool segment_meets_ray(const double x[2], const double a[2], const double b[2])
+{
+    if ((a[1] > x[1]) == (b[1] > x[1]))
+        return false;
+    double t = (x[1] - a[1]) / (b[1] - a[1]);
+    return a[0] + t * (b[0] - a[0]) > x[0];
+}
+
 bool segments_meet(const double a[2], const double b[2], const double c[2],
                    const double d[2])
 {

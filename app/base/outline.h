@@ -54,6 +54,10 @@ int bucket_of(const struct buckets *buckets, int axis, double x);
 double segment_distance(const double x[2], const double a[2], const double b[2],
                         double near[2]);
 
+/* Whether a ray from x to the right crosses the segment ab. A closed outline is
+ * around a point whose ray crosses an odd number of its chords. */
+bool segment_meets_ray(const double x[2], const double a[2], const double b[2]);
+
 /* Whether the segments ab and cd have a point in common. */
 bool segments_meet(const double a[2], const double b[2], const double c[2],
                    const double d[2]);

@@ -9,10 +9,14 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Panels are in one plane if their normals are within this angle, rad, and
- * their planes within half a cell. */
-static const double parallel = 0.02;
 static const double way = 0.01; /* m, that each of two panels is moved */
+/* Panels are in one plane if their normals are within this angle, rad, and
+ * their planes within half a cell, and nearer than panels that were parted. */
+static const double parallel = 0.02;
+static double depth_of(double h)
+{
+    return fmin(h / 2, way);
+}
 /* Panels are near below two cells, where contact might press in the first step,
  * and below what parted panels are apart. */
 static double reach_of(double h)
@@ -26,7 +30,8 @@ static const double left_open = 0.1;
  * of half of that. */
 static const double opposite = 0.7;
 /* Two panels face each other if what draws them together is within 45 degrees
- * of the normals of both, on their wrong sides: the cosine. */
+ * of the normals of both, on their wrong sides: the cosine. It is half way from
+ * what is drawn across a limb to what is drawn along the panels. */
 static const double facing = 0.7;
 /* A panel may have been moved towards a third. */
 enum { ROUNDS = 8 };
@@ -328,12 +333,9 @@ static void meet_point(const struct outline *o, const double y[2], double reach,
     for (int i = 0; i < 2; i++)
         if (y[i] < o->lo[i] - reach || y[i] > o->hi[i] + reach)
             return;
-    for (int j = 0; j < o->n; j++) {
-        const double *a = o->x[j], *b = o->x[j + 1];
-        least = fmin(least, segment_distance(y, a, b, near));
-        if ((a[1] > y[1]) != (b[1] > y[1]))
-            inside ^=
-                a[0] + (y[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0]) > y[0];
+    for (int j = 0; j < o->n && !(least < reach); j++) {
+        least = segment_distance(y, o->x[j], o->x[j + 1], near);
+        inside ^= segment_meets_ray(y, o->x[j], o->x[j + 1]);
     }
     if (least < reach)
         add(m, y);
@@ -401,7 +403,7 @@ static enum nearness find_nearness(const struct sheet *a, const struct sheet *b,
     if (a->panel->roll.radius > 0 || b->panel->roll.radius > 0)
         return FAR;
     if (fabs(vec3_dot(a->n, b->n)) < cos(parallel) ||
-        fabs(vec3_dot(apart, a->n)) > h / 2)
+        fabs(vec3_dot(apart, a->n)) > depth_of(h))
         return FAR;
     meet(a, b, reach, &m);
     meet(b, a, reach, &back);
