@@ -7,7 +7,7 @@ MACHINE ?= $(shell uname -m)
 BY_PACKAGE := $(BUILD)/accuracy $(BUILD)/validate
 define by_package
 @rm -f $@
-@printf '#!/bin/sh\nPYTHONPATH=%s exec %s -m $(1) "$$@"\n' \
+@printf '#!/bin/sh\nPYTHONPATH="%s" exec "%s" -m $(1) "$$@"\n' \
   "$(CURDIR):$(abspath $(PACKAGE))" "$(abspath $(PY))/venv/bin/python" >$@
 @chmod +x $@
 endef
@@ -22,7 +22,7 @@ $(BUILD)/bare.so: $(BARE_O) $(INSIDE)
 	$(C17) -shared -Wl,--allow-multiple-definition $(BARE_U) $^ -o $@ -lm \
 	  $(if $(GPU),$(CUDA_L))
 $(BUILD)/accuracy: $(PACKAGE)/made $(BUILD)/bare.so
-	$(call by_package,bench.accuracy --inside $(abspath $(BUILD))/bare.so)
+	$(call by_package,bench.accuracy --inside "$(abspath $(BUILD))/bare.so")
 
 # Single stages, which are inside the library. spec/accuracy.md §8
 SINGLE  := $(call obj,$(addprefix bench/,bench bisect stages)) $(call obj,bench/impact,.32) \
