@@ -413,11 +413,12 @@ static void open_seams(struct loop *s)
 static void set_aside_seams(struct loop *s, bool back)
 {
     const struct world *w = s->w;
+    if (w->seams.n == 0 || s->status != DRAPE_OK)
+        return;
     struct contact *there = contacts_of(s) + w->response.active;
     struct contact *here = w->seams.aside;
-    if (w->seams.n > 0 && s->status == DRAPE_OK)
-        w->run->copy(w->on, back ? there : here, back ? here : there,
-                     (size_t)seams_contacts(&w->seams) * sizeof *here);
+    w->run->copy(w->on, back ? there : here, back ? here : there,
+                 (size_t)seams_contacts(&w->seams) * sizeof *here);
 }
 
 /* §2: within which distance on the way pairs are looked for: 0 if no vertex
