@@ -4,7 +4,7 @@ import dataclasses
 import os
 import re
 
-ROW = re.compile(r"\s*(FILES|HOLE|VALID|TWIN|KERNEL|EACH3|EACH)(?=\()")
+ROW = re.compile(r"\s*(FILES|HOLE|VALID|STAND|TWIN|KERNEL|EACH3|EACH|LAUNCH)(?=\()")
 HEAD = "/* Written by ci/equal/table.py from ci/equal/twins.def. */\n"
 
 
@@ -23,6 +23,7 @@ class Twin:
     kernel: bool
     each: bool
     coordinates: bool
+    shape: tuple
     group: "Group" = None
 
 
@@ -31,13 +32,15 @@ class Group:
     """A FILES row: the twins of one device file and one reference file. holes: name
     of a device function to (name of the reference's, arguments that only the device
     has). valid: functions of the reference to what they return
-    where they find no fault in the input."""
+    where they find no fault in the input. stands: functions of the reference to those
+    of given.h that are executed in their place."""
 
     device: str
     refs: list
     twins: list
     holes: dict
     valid: dict
+    stands: dict
 
     @property
     def name(self):
@@ -83,14 +86,18 @@ def params_of(text):
 
 def twin_of(kind, parts, group):
     """The twin of a row."""
-    stage, name, params, *parts = parts
+    stage, name, *parts = parts
+    shape = tuple(int(parts.pop(0)) for _ in range(2)) if kind == "LAUNCH" else ()
+    params, *parts = parts
     if kind == "TWIN":
         device = parts.pop(0)
     else:
-        device, name = name.split(":")[0], re.sub(r"[:<]", "_", name).rstrip(">")
+        device, _, case = name.partition(":")
+        name = re.sub(r"<.*", "", device) + "_" + case if case else (
+            re.sub(r"<", "_", device).rstrip(">"))
     ref, *given = parts
     return Twin(stage, name, params_of(params), device, ref, given[0] if given else "",
-                kind != "TWIN", kind[:4] == "EACH", kind == "EACH3", group)
+                kind != "TWIN", kind[:4] == "EACH", kind == "EACH3", shape, group)
 
 
 def read(path):
@@ -104,9 +111,11 @@ def read(path):
             break
         parts, at = arguments(text, row.end())
         if row[1] == "FILES":
-            groups.append(Group(parts[0], parts[1:], [], {}, {}))
+            groups.append(Group(parts[0], parts[1:], [], {}, {}, {}))
         elif row[1] == "VALID":
             groups[-1].valid[parts[0]] = parts[1]
+        elif row[1] == "STAND":
+            groups[-1].stands[parts[0]] = parts[1]
         elif row[1] == "HOLE":
             groups[-1].holes[parts[0]] = parts[1], int(parts[2])
         else:
