@@ -110,6 +110,12 @@ struct device_book {
     int32_t words[12][65];
 };
 
+struct device_levels {
+    int64_t at[17];
+    int32_t count[17];
+    int top;
+};
+
 struct device_grid {
     int32_t m, n;
 };

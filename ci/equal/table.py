@@ -41,13 +41,14 @@ class Group:
     holes: dict
     valid: dict
     stands: dict
+    number: int = 0
 
     @property
     def name(self):
         """The name of what is written for it."""
         parts = re.sub(r"\.\w+$", "", self.device).split("/")
-        return "_".join(parts[1:]) + ("_cu" if self.device.endswith(".cu") else "")
-
+        return "_".join(parts[1:]) + ("_cu" if self.device.endswith(".cu") else "") + (
+            f"_{self.number}" if self.number else "")
 
     @property
     def linked(self):
@@ -111,7 +112,8 @@ def read(path):
             break
         parts, at = arguments(text, row.end())
         if row[1] == "FILES":
-            groups.append(Group(parts[0], parts[1:], [], {}, {}, {}))
+            number = sum(group.device == parts[0] for group in groups)
+            groups.append(Group(parts[0], parts[1:], [], {}, {}, {}, number))
         elif row[1] == "VALID":
             groups[-1].valid[parts[0]] = parts[1]
         elif row[1] == "STAND":
