@@ -72,12 +72,15 @@ struct device_image {
     real *item;
 };
 
-/* Its state of conjugate gradients, of which two searches know the first words. */
+/* Its state of conjugate gradients, of which two searches know the first words.
+ */
 struct device_state {
     uint32_t ticket;
-    int32_t phase, go, first, fresh, again, outcome, iterations, fell_back, waits;
+    int32_t phase, go, first, fresh, again, outcome, iterations, fell_back,
+        waits;
     real late[7];
-    real square, most, left, before, from, rho, alpha, beta, recurrence, residual;
+    real square, most, left, before, from, rho, alpha, beta, recurrence,
+        residual;
 };
 
 struct device_mixed {
@@ -104,16 +107,6 @@ struct device_solve {
     real *item, *chunk;
     int32_t task, touch, epoch;
     struct device_beginning begin;
-};
-
-struct device_book {
-    int32_t words[12][65];
-};
-
-struct device_levels {
-    int64_t at[17];
-    int32_t count[17];
-    int top;
 };
 
 struct device_grid {
@@ -199,33 +192,10 @@ static inline bool share_none(const int32_t *f, const int32_t *g)
 #define LAID_OUT(c, m, n)                                                      \
     (memcmp(c, &(struct cdf[]){ref_cdf(m, n)}, sizeof(struct cdf)) == 0)
 
-/* Stands for the scalar products of conjugate gradients: the next of the numbers
- * that a row gives, whatever the vectors. */
-static real given_dot(const real *sum)
-{
-    static int next;
-    return sum[next++];
-}
-#ifdef REF_PCG_H
-__attribute__((used)) static real next_dot(struct pcg *s, const vec *a, const vec *b)
-{
-    (void)a;
-    (void)b;
-    return given_dot(s->chunk);
-}
-#endif
-#ifdef REF_JOINT_H
-__attribute__((used)) static real next_energy(struct world *w, struct joint *a)
-{
-    (void)w;
-    return given_dot(a->chunk);
-}
-#endif
-
-/* Whether the rules of 5 by 5 particles are these, of which some are cut off along i
- * or j on either side, or both. */
+/* Whether the rules of 5 by 5 particles are these, of which some are cut off
+ * along i or j on either side, or both. */
 #define SOME_RULES(rule)                                                       \
-    (memcmp(rule, "\0\1\0\2\0\4\5\0\12\10\0\0\0\1\0\10\0\4\6\0\0\2\0\1",    \
+    (memcmp(rule, "\0\1\0\2\0\4\5\0\12\10\0\0\0\1\0\10\0\4\6\0\0\2\0\1",       \
             24) == 0 &&                                                        \
      (rule)[24] == 0)
 

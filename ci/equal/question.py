@@ -151,12 +151,9 @@ def entry_of(file, twin):
     return names[0]
 
 
-def hooks_of(twin, bits, item, module):
+def hooks_of(twin, bits, item):
     """What stands for functions of the reference."""
     group, hooks = twin.group, {}
-    for ref, stand in group.stands.items():
-        hooks[ref] = lambda machine, state, args, stand=stand: llvm.Function(
-            module, stand, machine.memory, machine.hooks).call(state, args)
     for end in ("", f"_{bits}"):
         for ref, n in group.holes.values():
             hooks[ref + end] = hole(ref, min(n, 0))
@@ -208,7 +205,7 @@ def question(build, twin, bits):
         name = function
         params, args = zip(*(argument(kind, n, bits) for kind, n in twin.params))
     given, args = TRUE, list(args)
-    hooks = hooks_of(twin, bits, args[-1], module)
+    hooks = hooks_of(twin, bits, args[-1])
     if twin.given:
         given = condition(twin, module, memory, args, start, hooks)
         fixed(memory, start, given)

@@ -4,7 +4,7 @@ import dataclasses
 import os
 import re
 
-ROW = re.compile(r"\s*(FILES|HOLE|VALID|STAND|TWIN|KERNEL|EACH3|EACH|LAUNCH)(?=\()")
+ROW = re.compile(r"\s*(FILES|HOLE|VALID|TWIN|KERNEL|EACH3|EACH|LAUNCH)(?=\()")
 HEAD = "/* Written by ci/equal/table.py from ci/equal/twins.def. */\n"
 
 
@@ -32,15 +32,13 @@ class Group:
     """A FILES row: the twins of one device file and one reference file. holes: name
     of a device function to (name of the reference's, arguments that only the device
     has). valid: functions of the reference to what they return
-    where they find no fault in the input. stands: functions of the reference to those
-    of given.h that are executed in their place."""
+    where they find no fault in the input."""
 
     device: str
     refs: list
     twins: list
     holes: dict
     valid: dict
-    stands: dict
     number: int = 0
 
     @property
@@ -113,11 +111,9 @@ def read(path):
         parts, at = arguments(text, row.end())
         if row[1] == "FILES":
             number = sum(group.device == parts[0] for group in groups)
-            groups.append(Group(parts[0], parts[1:], [], {}, {}, {}, number))
+            groups.append(Group(parts[0], parts[1:], [], {}, {}, number))
         elif row[1] == "VALID":
             groups[-1].valid[parts[0]] = parts[1]
-        elif row[1] == "STAND":
-            groups[-1].stands[parts[0]] = parts[1]
         elif row[1] == "HOLE":
             groups[-1].holes[parts[0]] = parts[1], int(parts[2])
         else:
