@@ -207,13 +207,13 @@ def question(build, twin, bits):
     given, args = TRUE, list(args)
     hooks = hooks_of(twin, bits, args[-1])
     if twin.given:
-        given = condition(twin, module, memory, args, start, hooks)
-        fixed(memory, start, given)
-        assume(start, given, True)
+        whole = condition(twin, module, memory, args, start, hooks)
+        fixed(memory, start, whole)
         if twin.kernel: # what is fixed is no input
             params, args = kernel_arguments(twin, module, memory, function, start)
         given = condition(twin, module, memory, args, start, hooks)
-        assume(start, given, True)
+        for known in (whole, given):
+            assume(start, known, True)
     _, ref = llvm.execute(module, function, memory, args, start.copy(), hooks)
     hooks = {device: hole(ref_name, skipped)
              for device, (ref_name, skipped) in group.holes.items()}
