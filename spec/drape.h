@@ -237,8 +237,8 @@ typedef struct drape_cloth {
     const drape_pin *pins; /* [n_pins] */
     int n_pins;            /* 0 … m·n */
     int bending;           /* enum drape_bending */
-    /* NULL: a rectangle. A panel has no holes and cuts, bending by triples, an
-     * implicit integrator and no wind; a flat start is at its places at rest.
+    /* NULL: a rectangle. A panel has no holes and cuts, bending by triples and
+     * an implicit integrator; a flat start is at its places at rest.
      * Its world does not change material, and no body comes or goes. */
     const drape_panel *panel;
 } drape_cloth;
@@ -628,8 +628,7 @@ void drape_wake(drape_world *world);
  * Ranges and statuses are those of a definition. A world that was made without
  * air takes memory for it here: DRAPE_ENOMEM or DRAPE_EDEVICE, and nothing has
  * changed. Without density, or without drag and lift, there is no wind,
- * whatever its velocity. DRAPE_EARG where there is a panel, which feels none
- * yet. control/control.md §1 */
+ * whatever its velocity. control/control.md §1 */
 int drape_set_wind(drape_world *world, const drape_wind *wind);
 
 /* Live control: calls between two steps that change the world from the next

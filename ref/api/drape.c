@@ -308,9 +308,6 @@ int drape_set_wind(drape_world *world, const drape_wind *wind)
     if (!world || !wind)
         return DRAPE_EARG;
     int status = define_check_wind(wind);
-    if (world->panels && wind->density > 0 &&
-        (wind->drag > 0 || wind->lift > 0))
-        return DRAPE_EARG;
     if (status == DRAPE_OK)
         status = world->ops->set_wind(world->world, wind);
     if (status == DRAPE_OK)
