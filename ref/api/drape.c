@@ -97,9 +97,6 @@ void handle_set(drape_world *handle, const drape_def *def, struct world *world)
     handle->world = world;
     handle->cloths = def->n_cloths;
     handle->bodies = def->n_cloths + def->n_obstacles;
-    handle->panels = 0;
-    for (int k = 0; k < def->n_cloths; k++)
-        handle->panels += def->cloths[k].panel != NULL;
     bool one =
         drape_vertices(handle) < SMALL_SCENE || def->backend == DRAPE_GPU;
     handle->threads = one ? 1 : def->threads;
