@@ -13,8 +13,8 @@ static double grid(const struct cut *cut, int axis, int64_t k)
     return cut->at[axis] + cut->h * (double)k;
 }
 
-/* The particle of a line that is nearest to k cells along it; of two that are as
- * near, but for rounding, the first. */
+/* The particle of a line that is nearest to k cells along it; of two that are
+ * as near, but for rounding, the first. */
 static double nearest(double k)
 {
     return ceil(k - 0.5 - still);
