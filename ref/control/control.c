@@ -60,13 +60,13 @@ static void derive_from_cloths(struct world *w)
     }
 }
 
-/* Tells the panel of cloth k its material. */
-static void tell_panel(struct world *w, int k)
+/* Gives the panel of cloth k its material. */
+static void resend_panel(struct world *w, int k)
 {
     const struct cloth *c = &w->home->sheet[k].cloth;
     const struct panel *to = w->sheet[k].cloth.panel;
     struct panel *a = c->panel;
-    panel_tell(a, c, w->sheet[k].made.material.density);
+    panel_set_material(a, c, w->sheet[k].made.material.density);
     resend_stream(w, to->bend, a->bend, (size_t)a->n_pairs * sizeof *a->bend);
     resend_stream(w, to->star, a->star, (size_t)a->n_stars * sizeof *a->star);
 }
@@ -94,7 +94,7 @@ void control_tell_cloth(struct world *w, int k)
         s->cloth.pairs = own.pairs;
     }
     if (c->panel)
-        tell_panel(w, k);
+        resend_panel(w, k);
     resend_stream(w, s->cloth.fixed, c->fixed, n * sizeof *c->fixed);
     resend_stream(w, s->cloth.mass, c->mass, n * sizeof *c->mass);
     sleep_weigh(w, k);

@@ -166,8 +166,8 @@ static void copy_body(struct world *w, int k, const struct world *old, int from)
     size_t bytes = (size_t)(state_first_vertex(w, k + 1) - to) * sizeof(vec);
     const struct state_list s = state_streams(w), was = state_streams(old);
     for (int i = 0; i < STATE_STREAMS; i++)
-        if (to < s.of[i].n &&
-            !s.of[i].seams) /* a stream of cloth ends before the obstacles */
+        /* a stream of cloth ends before the obstacles */
+        if (to < s.of[i].n && !s.of[i].seams)
             w->run->copy(w->on, *s.of[i].at + to, *was.of[i].at + at, bytes);
     w->run->copy(w->on, w->x1 + to, old->x0 + at, bytes);
     if (k < w->def.n_cloths)

@@ -343,7 +343,7 @@ static void bend_pairs(struct panel *a, int32_t m)
         a->bend[k] = (real)a->sum[k];
 }
 
-void panel_tell(struct panel *a, const struct cloth *c, double density)
+void panel_set_material(struct panel *a, const struct cloth *c, double density)
 {
     double cell = (double)c->hu * (double)c->hv;
     for (int64_t k = 0; k < a->n_parts; k++)
@@ -387,7 +387,7 @@ int panel_make(const drape_cloth *d, struct cloth *c, const uint8_t *hinged,
     if (status == DRAPE_OK)
         status = make_lists(&a);
     if (status == DRAPE_OK)
-        panel_tell(a.to, c, d->material.density);
+        panel_set_material(a.to, c, d->material.density);
     arena_give(arena, a.area);
     arena_give(arena, a.ease);
     arena_give(arena, a.tied);
