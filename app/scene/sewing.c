@@ -227,8 +227,6 @@ static void define_stage(struct sewing *s, enum sewing_stage stage)
         s->obstacle[k].motion = -1;
         s->obstacle[k].frames = 0;
         at += s->obstacle[k].n_vertices;
-        if (!worn)
-            s->obstacle[k].friction = 0;
     }
     def->cloths = s->cloth;
     def->obstacles = s->obstacle;
