@@ -159,6 +159,8 @@ bands 0 4
 is 'without friction bands slip on a ball' awk '{ exit !($1 > 0.05 && $3 > 0.05) }' height
 bands 1 4
 is 'which the friction of a body keeps them from' awk '{ exit !($1 < 0.04 && $3 < 0.04) }' height
+bands 0 6
+is 'nor do they leave what they will be sewn to' awk '{ exit !($1 < 0.04 && $3 < 0.04) }' height
 halves 'left["translation"] = [-3, 0, 0]'
 exits 'a T-shirt is sewn on a body' 0 sew worn.json --frames 120 --no-picture \
     --out shirt --trace --force
