@@ -25,6 +25,9 @@ static const double fastest = 0.5; /* m/s */
  * m/s that are left at a gap of 5 mm they have 0.2 mJ. */
 static const double slowest = 0.05; /* m/s */
 static const double settle = 0.1;   /* s */
+/* While it is sewn, cloth loses its speed in the time `settle`, too: a panel
+ * whose edges stop swings on, and then edges of one leg go between those of the
+ * other that close beside them. */
 /* The greatest pull of a seam while it is sewn, which strains light cotton by 3
  * %, and once it is worn, which is many times what a garment weighs. */
 static const double sewing_pull = 30, worn_pull = 300; /* N/m */
@@ -478,6 +481,20 @@ static int hold_seams(struct sewing *s)
     return more ? make_world(s, s->stage) : APP_OK;
 }
 
+/* Slows the cloth down. */
+static int slow_down(struct sewing *s)
+{
+    double part = settle / (settle + s->whole.dt);
+    int status = drape_read(s->world, NULL, s->v);
+    for (int64_t k = 0; k < s->nc; k++)
+        for (int i = 0; i < 3; i++)
+            s->v[k][i] *= part;
+    if (status == DRAPE_OK)
+        status =
+            drape_set_velocities(s->world, 0, s->nc, (const double(*)[3])s->v);
+    return status == DRAPE_OK ? APP_OK : failed("velocities", status);
+}
+
 /* Whether the stage's seams are closed, or no longer close. */
 static bool is_done(struct sewing *s)
 {
@@ -558,6 +575,8 @@ int sewing_step(struct sewing *sewing, drape_step_report *report)
     status = read_seams(sewing);
     if (status == APP_OK)
         status = holds_read(sewing);
+    if (status == APP_OK && sewing->stage < SEWING_WORN)
+        status = slow_down(sewing);
     if (status == APP_OK && sewing->stage < SEWING_WORN && is_done(sewing))
         return enter_stage(sewing, next_stage(sewing, sewing->stage + 1));
     if (status == APP_OK && sewing->stage < SEWING_ACROSS)

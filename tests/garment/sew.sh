@@ -130,6 +130,19 @@ is 'around its arm before to anything else' closed '
 [s["stage"] for s in sew["seams"]] == ["around", "around", "seams", "seams"]
 and 0 == sew["stages"]["around"] < sew["stages"]["seams"]
 and all(s["closed"] for s in sew["seams"])'
+# two panels that face each other, drawn together at one edge
+halves '
+left["translation"], right["translation"] = [0, 0, 15], [-20, 0, -15]
+pattern["stitches"] = [[{"panel": "left", "edge": 1}, {"panel": "right", "edge": 1},
+                        "right_wrong"]]'
+echo '{"frames": 70, "gravity": [0, 0, 0],
+    "garments": [{"pattern": "halves.json", "cell": 0.02}]}' >wings.json
+exits 'wings are sewn' 0 sew wings.json --no-picture --out shirt --force
+is 'and swing on slowly after their edges meet' python3 -c '
+import struct
+data = open("shirt/frames/cloth_0070.ply", "rb").read().split(b"end_header\n", 1)[1]
+x = [x for x, y, z in struct.iter_unpack("<3f", data[:12 * 352])]
+assert max(x) - min(x) > 0.07, max(x) - min(x)'
 # bands FRICTION STITCHES: two bands that are closed around a ball, on which they
 # slip up and down if nothing holds them; `height` then has the least distance of
 # each from the ball's equator when that is done, in m.
