@@ -25,6 +25,8 @@ struct sewing_seam {
     enum sewing_stage stage; /* in which its turn comes */
     int64_t n;
     int index;           /* in the world; -1: its turn has not come */
+    double start;        /* m, the mean of its gaps at the start */
+    bool held;           /* so far, until its turn comes */
     bool told;           /* the world has these targets */
     double spacing;      /* m, mean length of the seam a point */
     double (*gap)[3];    /* [n] m, particle - place, after the last step */
