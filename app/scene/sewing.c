@@ -42,8 +42,9 @@ static const double rough = 10, fine = 0.1;
 /* At rest: the root mean square of the ways that particles go in this time, s,
  * is below this, m. */
 static const double rest_way = 1e-3, rest_time = 1;
-/* A stage ends, too, if what is open becomes less by no more than this part in
- * this time, s. */
+/* A stage ends, too, if what is open becomes less by no more than this part of
+ * what was open when it began, in this time, s. What is then still held back
+ * by friction closes as slowly in the next ones. */
 static const double progress = 0.05, patience = 0.5;
 enum { RAMP = 30 }; /* frames in which gravity comes */
 /* A seam whose turn has not come is held at the gap with which it began once
@@ -509,7 +510,9 @@ static bool is_done(struct sewing *s)
             left += vec3_length(seam->gap[p]) * s->scene->seam[k].length[p];
     }
     s->still++;
-    if (left < (1 - progress) * s->left) {
+    if (s->left == INFINITY)
+        s->open = left;
+    if (left < s->left - progress * s->open) {
         s->left = left;
         s->still = 0;
     }

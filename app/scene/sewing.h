@@ -74,7 +74,7 @@ struct sewing {
     double heavy;                 /* the part of gravity that the world has */
     int64_t begun[SEWING_STAGES]; /* step before each; -1: skipped */
     int64_t steps, still;         /* made; without progress */
-    double left;                  /* least of what was to close */
+    double open, left;            /* what was to close in this stage; least */
     int64_t nv, nc, nt;           /* vertices, of cloth, triangles */
     int64_t particles;            /* of cloth that have a cell */
     double (*x)[3], (*v)[3];      /* [nv] */

@@ -178,6 +178,9 @@ bands 1 4
 is 'which the friction of a body keeps them from' awk '{ exit !($1 < 0.04 && $3 < 0.04) }' height
 bands 0 6
 is 'nor do they leave what they will be sewn to' awk '{ exit !($1 < 0.04 && $3 < 0.04) }' height
+sed 's/0.14/0.15/; s/46/80/; s/"friction": 0/&.3/' ball.json >tight.json
+exits 'bands that are too tight creep' 1 sew tight.json --no-picture --out shirt --force
+is 'and nothing waits for that' closed '0 < sew["stages"].get("seams", 80) < 76'
 halves 'left["translation"] = [-3, 0, 0]'
 exits 'a T-shirt is sewn on a body' 0 sew worn.json --frames 120 --no-picture \
     --out shirt --trace --force
