@@ -25,9 +25,10 @@ static const double fastest = 0.5; /* m/s */
  * m/s that are left at a gap of 5 mm they have 0.2 mJ. */
 static const double slowest = 0.05; /* m/s */
 static const double settle = 0.1;   /* s */
-/* While it is sewn, cloth loses its speed in the time `settle`, too: a panel
- * whose edges stop swings on, and then edges of one leg go between those of the
- * other that close beside them. */
+/* While it is sewn, the air is so dense that cloth loses its speed to 1/e on
+ * this way: a panel whose edges stop would swing on, and then edges of one leg
+ * go between those of the other that close beside them. */
+static const double glide = 0.003; /* m */
 /* The greatest pull of a seam while it is sewn, which strains light cotton by 3
  * %, and once it is worn, which is many times what a garment weighs. */
 static const double sewing_pull = 30, worn_pull = 300; /* N/m */
@@ -233,6 +234,16 @@ static void trace(void *user, int64_t step, const char *stage, uint64_t digest,
                    digest, seconds);
 }
 
+/* The air in which a garment is sewn: a plate of the heaviest cloth that it
+ * meets at the speed v loses ½ ρ v² of its momentum, by area. */
+static drape_wind thick_air(const struct sewing *s)
+{
+    double most = 0;
+    for (int k = 0; k < s->whole.n_cloths; k++)
+        most = fmax(most, s->whole.cloths[k].material.density);
+    return (drape_wind){.density = 2 * most / glide, .drag = 1};
+}
+
 /* The definition of a stage, in the state of the world before it. */
 static void define_stage(struct sewing *s, enum sewing_stage stage)
 {
@@ -278,6 +289,10 @@ static void define_stage(struct sewing *s, enum sewing_stage stage)
     }
     if (!moving)
         memset(def->gravity, 0, sizeof def->gravity);
+    if (!worn)
+        def->wind = thick_air(s);
+    else if (!moving)
+        memset(def->wind.velocity, 0, sizeof def->wind.velocity);
     def->tolerance = fmin(1, def->tolerance * (worn ? fine : rough));
     if (!worn)
         def->sleep = 0;
@@ -448,18 +463,23 @@ static int move_targets(struct sewing *s)
     return APP_OK;
 }
 
-/* Lets gravity come evenly. */
+/* Lets gravity and wind come evenly. */
 static int raise_gravity(struct sewing *s)
 {
     double ramp = (double)RAMP * s->scene->steps_per_frame, g[3];
+    drape_wind wind = s->whole.wind;
     double part = (double)(s->steps - s->begun[SEWING_WORN] + 1) / ramp;
     part = fmin(part, 1);
     if (part == s->heavy)
         return APP_OK;
     s->heavy = part;
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
         g[i] = part * s->whole.gravity[i];
+        wind.velocity[i] *= part;
+    }
     int status = drape_set_gravity(s->world, g);
+    if (status == DRAPE_OK && wind.density > 0)
+        status = drape_set_wind(s->world, &wind);
     return status == DRAPE_OK ? APP_OK : failed("gravity", status);
 }
 
@@ -480,20 +500,6 @@ static int hold_seams(struct sewing *s)
         seam->held = more = true;
     }
     return more ? make_world(s, s->stage) : APP_OK;
-}
-
-/* Slows the cloth down. */
-static int slow_down(struct sewing *s)
-{
-    double part = settle / (settle + s->whole.dt);
-    int status = drape_read(s->world, NULL, s->v);
-    for (int64_t k = 0; k < s->nc; k++)
-        for (int i = 0; i < 3; i++)
-            s->v[k][i] *= part;
-    if (status == DRAPE_OK)
-        status =
-            drape_set_velocities(s->world, 0, s->nc, (const double(*)[3])s->v);
-    return status == DRAPE_OK ? APP_OK : failed("velocities", status);
 }
 
 /* Whether the stage's seams are closed, or no longer close. */
@@ -578,8 +584,6 @@ int sewing_step(struct sewing *sewing, drape_step_report *report)
     status = read_seams(sewing);
     if (status == APP_OK)
         status = holds_read(sewing);
-    if (status == APP_OK && sewing->stage < SEWING_WORN)
-        status = slow_down(sewing);
     if (status == APP_OK && sewing->stage < SEWING_WORN && is_done(sewing))
         return enter_stage(sewing, next_stage(sewing, sewing->stage + 1));
     if (status == APP_OK && sewing->stage < SEWING_ACROSS)

@@ -146,7 +146,7 @@ is 'and swing on slowly after their edges meet' python3 -c '
 import struct
 data = open("shirt/frames/cloth_0070.ply", "rb").read().split(b"end_header\n", 1)[1]
 x = [x for x, y, z in struct.iter_unpack("<3f", data[:12 * 352])]
-assert max(x) - min(x) > 0.07, max(x) - min(x)'
+assert max(x) - min(x) > 0.06, max(x) - min(x)'
 # bands FRICTION STITCHES: two bands that are closed around a ball, on which they
 # slip up and down if nothing holds them; `height` then has the least distance of
 # each from the ball's equator when that is done, in m.
@@ -161,13 +161,13 @@ pattern["stitches"] = [[{"panel": a, "edge": i}, {"panel": b, "edge": j}] for a,
     (("upper", 1, "above", 3), ("upper", 3, "above", 1), ("lower", 1, "below", 3),
      ("lower", 3, "below", 1), ("upper", 0, "lower", 2), ("above", 0, "below", 2))]
 del pattern["stitches"]['"$2"':]'
-    echo '{"frames": 46, "gravity": [0, 0, 0], "garments": [{"pattern": "halves.json", "cell": 0.02}],
+    echo '{"frames": 60, "gravity": [0, 0, 0], "garments": [{"pattern": "halves.json", "cell": 0.02}],
         "obstacles": [{"shape": "sphere", "radius": 0.14, "at": [0, 0, 0], "friction": '"$1"'}]}' \
         >ball.json
     "$drape" sew ball.json --no-picture --out ball --force >out 2>err
     python3 - >height <<'EOT'
 import struct
-with open("ball/frames/cloth_0045.ply", "rb") as file:
+with open("ball/frames/cloth_0059.ply", "rb") as file:
     x = list(struct.iter_unpack("<3f", file.read().split(b"end_header\n", 1)[1][:48 * 126]))
 print(*(round(min(abs(y) for _, y, _ in x[126 * k:126 * k + 126]), 3) for k in range(4)))
 EOT
@@ -178,9 +178,9 @@ bands 1 4
 is 'which the friction of a body keeps them from' awk '{ exit !($1 < 0.04 && $3 < 0.04) }' height
 bands 0 6
 is 'nor do they leave what they will be sewn to' awk '{ exit !($1 < 0.04 && $3 < 0.04) }' height
-sed 's/0.14/0.15/; s/46/80/; s/"friction": 0/&.3/' ball.json >tight.json
+sed 's/0.14/0.15/; s/60/90/; s/"friction": 0/&.3/' ball.json >tight.json
 exits 'bands that are too tight creep' 1 sew tight.json --no-picture --out shirt --force
-is 'and nothing waits for that' closed '0 < sew["stages"].get("seams", 80) < 76'
+is 'and nothing waits for that' closed '0 < sew["stages"].get("seams", 90) < 86'
 halves 'left["translation"] = [-3, 0, 0]'
 exits 'a T-shirt is sewn on a body' 0 sew worn.json --frames 120 --no-picture \
     --out shirt --trace --force
