@@ -82,12 +82,12 @@ sew = json.load(open('shirt/sew.json'))
 assert ($1), sew['seams']"
 }
 cp "$root/app/patterns/tee.json" .
-sed 's/"cell": 0.01/"cell": 0.03/' "$root/app/patterns/worn.json" >worn.json
+sed 's/"cell": 0.01/"cell": 0.04/' "$root/app/patterns/worn.json" >worn.json
 halves '
 pattern["stitches"] = [[{"panel": "left", "edge": 1}, {"panel": "right", "edge": 3}]]
 for p in (left, right): p["rotation"] = [90, 0, 0]'
 echo '{"frames": 400, "obstacles": [{"shape": "plane"}], "garments":
-    [{"pattern": "halves.json", "cell": 0.01, "at": [0, 0.05, 0]}]}' >floor.json
+    [{"pattern": "halves.json", "cell": 0.02, "at": [0, 0.05, 0]}]}' >floor.json
 exits 'what is sewn above a floor' 0 sew floor.json --no-picture --out floor
 is 'comes to rest on it' grep -q 'at rest; 1 of 1 seams closed; 0 pairs' out
 cp "$root/app/patterns/bag.json" .
@@ -104,7 +104,7 @@ pattern["panels"]["band"] = {
     "translation": [0, 33, 0], "rotation": [-40, 0, 0],
     "edges": [{"endpoints": [k, (k + 1) % 5]} for k in range(5)]}'
 echo '{"frames": 100, "gravity": [0, 0, 0],
-    "garments": [{"pattern": "halves.json", "cell": 0.01}]}' >band.json
+    "garments": [{"pattern": "halves.json", "cell": 0.02}]}' >band.json
 exits 'a gathered edge is sewn' 0 sew band.json --no-picture --out shirt
 is 'to what is shorter, and closed' closed '
 all(s["closed"] and s["gap_cells"] < 0.01 for s in sew["seams"])'
@@ -208,7 +208,7 @@ refused 'a garment that is not sewn' 'is not sewn yet: `drape sew` sews it' \
 cp "$root/app/patterns/skirt.json" .
 python3 "$root/app/patterns/walk.py" walk 0.5
 exits 'a skirt is sewn on a body that walks' 0 sew skirt.json --body walk/body.ply \
-    --motion walk/walk.pc2 --cell 0.04 --frames 130 --no-picture --out shirt --force
+    --motion walk/walk.pc2 --cell 0.06 --frames 130 --no-picture --out shirt --force
 is 'the body is where its frames have it' python3 -c '
 import json
 import struct

@@ -330,7 +330,8 @@ def test_a_live_world_is_touched(browser: Any) -> None:
         wait_until(lambda: (world.read()[0][group.particles] - before)[0, 0] < -0.05)
         window.mouse.up()
         wait_until(lambda: GRIP not in world.pins)
-        assert world.report is not None and not world.report.outcome
+        # a hand that moves far within a step, as on a busy machine, may need more
+        wait_until(lambda: world.report is not None and not world.report.outcome)
 
         page.touch.gravity.value = (0.0, 9.81, 0.0)
         wait_until(lambda: world.read()[0][:, 1].max() > 0.2)
