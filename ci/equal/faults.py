@@ -49,6 +49,9 @@ COPIES = (
          "unknowns_shift_kernel"),
         ("a write too many in a kernel", "gpu/world/prescribed.cu",
          "if (fixed[i])\n        a[i] = old[i];", "a[i] = old[i];", "keep_kernel"),
+        ("a spring's ends in another order, of lanes that work together",
+         "gpu/solve/edges.cuh", "y = add(sub(y, less[k]), plus[k]);",
+         "y = sub(add(y, plus[k]), less[k]);", "gather_kernel_springs"),
     ),
     (
         ("the sign of a zero", "gpu/base/wide.cuh", "a.y * b.z - a.z * b.y",

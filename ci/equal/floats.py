@@ -61,6 +61,20 @@ def is_minus_zero(a):
     return is_const(a) and a.args[0] == 1 << (WIDTH[a.sort] - 1)
 
 
+def is_zero(a):
+    """Whether a term is the constant +0."""
+    return a.op == "float" and a.args[0] == 0
+
+
+def never_minus_zero(a):
+    """Whether a number cannot be -0, by its shape: only a sum of two -0 is -0."""
+    memo = TABLE.memos["never -0"]
+    if a.id not in memo:
+        memo[a.id] = (a.op == "abs" or (is_const(a) and not is_minus_zero(a))
+                      or (a.op == "+" and any(map(never_minus_zero, a.args))))
+    return memo[a.id]
+
+
 def add(a, b):
     """a + b"""
     if is_const(a) and is_const(b):
@@ -69,6 +83,10 @@ def add(a, b):
         return b
     if is_minus_zero(b):
         return a
+    if is_zero(b) and never_minus_zero(a):
+        return a
+    if is_zero(a) and never_minus_zero(b):
+        return b
     if TABLE.zeros and is_const(a) and value(a) != 0:
         b = unsigned(b)
     elif TABLE.zeros and is_const(b) and value(b) != 0:

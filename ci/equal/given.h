@@ -13,6 +13,106 @@ struct opening {
     real damping;
 };
 
+struct device_edges {
+    int32_t m, n;
+    const real *mass;
+    const sym *extra, *excess, *block;
+};
+
+struct device_cut {
+    int32_t strips, width, rows;
+};
+
+struct device_level {
+    int32_t m, n, count;
+    const real *mass;
+    const sym *extra;
+    const uint8_t *fixed;
+    uint8_t *rule;
+    sym *excess;
+    const sym *block;
+    const void *packed;
+    const sym *factor;
+    vec *b, *x, *y;
+    const int32_t *go;
+};
+
+/* Sources and ends of its products. */
+struct device_plain {
+    const vec *x;
+};
+
+struct device_raised {
+    const vec *y, *coarse;
+    int32_t m;
+    const uint8_t *rule, *fixed;
+};
+
+struct device_end {
+    vec *y;
+};
+
+struct device_left {
+    const vec *b;
+    const uint8_t *fixed;
+    vec *to;
+};
+
+struct device_smoothing {
+    const vec *b;
+    const sym *factor;
+    vec *to;
+    real *item;
+    real damping;
+};
+
+struct device_image {
+    const uint8_t *fixed;
+    vec *p, *q;
+    real *item;
+};
+
+/* Its state of conjugate gradients, of which two searches know the first words.
+ */
+struct device_state {
+    uint32_t ticket;
+    int32_t phase, go, first, fresh, again, outcome, iterations, fell_back,
+        waits;
+    real late[7];
+    real square, most, left, before, from, rho, alpha, beta, recurrence,
+        residual;
+};
+
+struct device_mixed {
+    const vec *s, *p;
+    const struct device_state *c;
+};
+
+struct device_beginning {
+    int32_t with_r, jacobi;
+    struct opening opening;
+    const sym *factor;
+    vec *s;
+    real *item;
+};
+
+struct device_solve {
+    struct device_state *c;
+    void *links;
+    int64_t nc, n_chunks;
+    vec *r, *p[2], *q, *dv;
+    const vec *b;
+    const real *w;
+    const sym *bound, *single;
+    real *item, *chunk;
+    int32_t task, touch, epoch;
+    struct device_beginning begin;
+};
+
+struct device_grid {
+    int32_t m, n;
+};
+
 /* Whether n numbers from a on are finite, or at most so large. */
 static inline bool finite_doubles(const double *a, int n)
 {
@@ -87,6 +187,17 @@ static inline bool share_none(const int32_t *f, const int32_t *g)
      PART_STANDS(s, (s)->contact[k].v[1]) &                                    \
      PART_STANDS(s, (s)->contact[k].v[2]) &                                    \
      PART_STANDS(s, (s)->contact[k].v[3]))
+
+/* Whether c is the layout of compressed diagonals for a grid of m by n. */
+#define LAID_OUT(c, m, n)                                                      \
+    (memcmp(c, &(struct cdf[]){ref_cdf(m, n)}, sizeof(struct cdf)) == 0)
+
+/* Whether the rules of 5 by 5 particles are these, of which some are cut off
+ * along i or j on either side, or both. */
+#define SOME_RULES(rule)                                                       \
+    (memcmp(rule, "\0\1\0\2\0\4\5\0\12\10\0\0\0\1\0\10\0\4\6\0\0\2\0\1",       \
+            24) == 0 &&                                                        \
+     (rule)[24] == 0)
 
 /* The positions of four vertices at both ends of a step, as filter.c takes
  * them. */

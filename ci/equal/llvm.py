@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """LLVM's intermediate language as clang 14 writes it at -O0, executed. At -O0 no
 optimiser has to be trusted, and each statement of C is there."""
+import functools
 import re
 
 import floats
@@ -26,12 +27,13 @@ WHOLE = {"add": words.add, "sub": words.sub, "mul": words.mul,
 TRUTH = {"and": both, "or": either, "xor": differ}
 CASTS = ("bitcast", "trunc", "zext", "sext", "fpext", "fptrunc", "sitofp", "uitofp",
          "fptosi", "fptoui", "ptrtoint", "inttoptr")
-CALLS = {"sqrt": floats.root, "sqrtf": floats.root, "fabs": floats.size,
+CALLS = {"abs": words.size, "sqrt": floats.root, "sqrtf": floats.root, "fabs": floats.size,
          "fabsf": floats.size}
 
 
+@functools.cache
 def split(text):
-    """A list at its outermost commas."""
+    """What a list has between its outermost commas."""
     parts, depth, part = [], 0, ""
     for letter in text:
         depth += (letter in "([{<") - (letter in ")]}>")
@@ -40,7 +42,28 @@ def split(text):
             part = ""
         else:
             part += letter
-    return [*parts, part.strip()] if part.strip() else parts
+    return (*parts, part.strip()) if part.strip() else tuple(parts)
+
+
+@functools.cache
+def taken_apart(line):
+    """The register that a statement sets or None, its word and its operands."""
+    target, rest = re.match(r"(?:(%[\w.\-]+) = )?(.*)", line).groups()
+    word, _, args = rest.partition(" ")
+    if word in ("tail", "notail", "musttail"):
+        word, _, args = args.partition(" ")
+    return target, word, args
+
+
+def remembered(method):
+    """A method of a module that is asked the same again and again."""
+    @functools.wraps(method)
+    def ask(self, *args):
+        key = (method.__name__, *args)
+        if key not in self.memo:
+            self.memo[key] = method(self, *args)
+        return self.memo[key]
+    return ask
 
 
 class Module:
@@ -49,6 +72,7 @@ class Module:
     ("named", name) or ("function",)."""
 
     def __init__(self, text):
+        self.memo = {}
         self.linked = () # modules that have functions which this one calls
         self.types = dict(re.findall(r"^(%[\w.]+) = type (.*)$", text, re.M))
         self.functions = {m[1]: (m[2], m[3]) for m in DEFINED.finditer(text)}
@@ -72,6 +96,7 @@ class Module:
             note = self.notes[scope[1]]
         return None
 
+    @remembered
     def parse(self, text, at=0):
         """The type that begins in a text, and where it ends."""
         while text[at] == " ":
@@ -107,12 +132,20 @@ class Module:
             else:
                 return kind, end
 
+    @remembered
+    def operand(self, text):
+        """The type and the name that a type and an operand in one text have."""
+        kind, end = self.parse(text)
+        return kind, ATTRIBUTE.sub("", text[end:])
+
+    @remembered
     def resolved(self, kind):
         """A type without its name."""
         while kind[0] == "named":
             kind, _ = self.parse(self.types[kind[1]])
         return kind
 
+    @remembered
     def align(self, kind):
         """The alignment of a type, in bytes."""
         kind = self.resolved(kind)
@@ -122,6 +155,7 @@ class Module:
             return max((self.align(member) for member in kind[1]), default=1)
         return self.size(kind)
 
+    @remembered
     def size(self, kind):
         """The size of a type, in bytes."""
         kind = self.resolved(kind)
@@ -139,6 +173,7 @@ class Module:
             return -(-ends[-1] // most) * most if ends else 0
         raise Unsupported(f"the size of {kind}")
 
+    @remembered
     def members(self, kind):
         """The members of a struct as (byte, type)."""
         at, found = 0, []
@@ -149,6 +184,7 @@ class Module:
             at += self.size(member)
         return found
 
+    @remembered
     def sort(self, kind):
         """The sort of the values of a type."""
         kind = self.resolved(kind)
@@ -174,19 +210,20 @@ class Function(Machine):
         if name not in module.functions:
             raise Unsupported("no function " + name)
         self.module, self.name, self.hooks = module, name, hooks or {}
-        self.params = []
-        text, body = module.functions[name]
-        for param in split(text):
+        self.params, self.blocks, self.follow = [], {}, {}
+        if ("function", name) not in module.memo:
+            self.read(*module.functions[name])
+            module.memo["function", name] = (self.params, self.blocks, self.follow,
+                                             postdominators(self.follow))
+        self.params, self.blocks, self.follow, self.meets = module.memo["function", name]
+
+    def read(self, params, body):
+        """Splits the parameters, and the body into blocks of (place, statement)."""
+        for param in split(params):
             if param != "...":
-                kind, _ = module.parse(param)
+                kind, _ = self.module.parse(param)
                 register = re.search(r"(%[\w.\-]+)$", param)[1]
                 self.params.append((register, kind, "byval(" in param))
-        self.blocks, self.follow = {}, {}
-        self.read(body)
-        self.meets = postdominators(self.follow)
-
-    def read(self, body):
-        """Splits the body into blocks of (place, statement)."""
         block, place = None, None
         for line in body.split("\n"):
             note = re.search(r", !dbg !(\d+)", line)
@@ -260,11 +297,13 @@ class Function(Machine):
         taken as its value: those of ref/ are constant."""
         at = leaf(("variable", name), integers(64))
         text = self.module.globals.get(name)
-        if text and at not in state.memory:
-            state.memory[at] = {}
+        if text and at not in self.memory.filled:
+            first = State()
+            first.regs = state.regs
             self.memory.locals.add(at)
             kind, end = self.module.parse(text)
-            self.fill(state, at, kind, text[end:].strip())
+            self.fill(first, at, kind, text[end:].strip())
+            self.memory.filled[at] = first.memory.get(at, {})
         return at
 
     def fill(self, state, at, kind, text):
@@ -369,10 +408,7 @@ class Function(Machine):
             if ended:
                 return TRUE, ended
         for place, line in self.blocks[name]:
-            target, rest = re.match(r"(?:(%[\w.\-]+) = )?(.*)", line).groups()
-            word, _, args = rest.partition(" ")
-            if word in ("tail", "notail", "musttail"):
-                word, _, args = args.partition(" ")
+            target, word, args = taken_apart(line)
             if word == "phi":
                 continue
             if word == "br":
@@ -394,8 +430,7 @@ class Function(Machine):
 
     def operand(self, state, text):
         """A type and an operand in one text."""
-        kind, end = self.module.parse(text)
-        return self.value(state, kind, ATTRIBUTE.sub("", text[end:]))
+        return self.value(state, *self.module.operand(text))
 
     def pair(self, state, text):
         """One type and two operands."""

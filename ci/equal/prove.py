@@ -9,7 +9,7 @@ For each row of ci/equal/twins.def and both precisions, the PTX that nvcc makes 
 the device's side and the code that clang -O0 makes of the reference's are executed
 symbolically, and what they leave in memory is compared (compare.py). What
 spec/proofs.md records as proved must be proved. --quick: only what rewriting proves
-there; the solver is not asked. --write: writes the tables of spec/proofs.md anew.
+there, but for launches; the solver is not asked. --write: writes the tables of spec/proofs.md anew.
 """
 import multiprocessing
 import os
@@ -65,7 +65,7 @@ def verdict_on(task):
     return verdict, time.monotonic() - began
 
 
-def compile_all(build, twins, widths):
+def compile_all(build, twins, widths, jobs):
     """Writes the wrappers and compiles them, and the kernels of KERNEL rows; returns
     whether all could be compiled."""
     groups = list({twin.group.name: twin.group for twin in twins}.values())
@@ -80,6 +80,8 @@ def compile_all(build, twins, widths):
             if any(twin.kernel for twin in group.twins):
                 path = re.sub(r"\.cu$", f".{bits}.ptx", group.device)
                 targets.append(f"{build}/ptx/{path}")
+    if "jobserver" not in os.environ.get("MAKEFLAGS", ""):
+        targets.append(f"-j{jobs}")
     made = subprocess.run(["make", "-sk", f"BUILD={build}", *targets], check=False)
     return made.returncode == 0
 
@@ -113,11 +115,12 @@ def main(build, *options):
     known, verdicts = page.recorded(), {}
     twins = [t for t in every if not only or t.name in only]
     todo = [(t, bits) for t in twins for bits in widths
-            if not quick or only or known.get((t.name, bits)) == "rewriting"]
-    results = [compile_all(build, [t for t, _ in todo], widths)]
+            if not quick or only
+            or (known.get((t.name, bits)) == "rewriting" and not t.shape)]
+    jobs = int((option(options, "--jobs") or [len(os.sched_getaffinity(0))])[0])
+    results = [compile_all(build, [t for t, _ in todo], widths, jobs)]
     if not results[0]:
         print("FAILED the wrappers: they do not compile")
-    jobs = int((option(options, "--jobs") or [len(os.sched_getaffinity(0))])[0])
     with multiprocessing.Pool(jobs) as pool:
         tasks = [(build, twin, bits, quick) for twin, bits in todo]
         for (twin, bits), (verdict, seconds) in zip(todo, pool.imap(verdict_on, tasks)):

@@ -7,12 +7,14 @@ import floats
 import words
 from logic import both, choose, differ, either, negate
 from run import EXIT, Machine, State, postdominators, widen
-from term import FALSE, TABLE, TRUE, Unsupported, integers, is_float, leaf, make, width
+from term import (FALSE, TABLE, TRUE, Unsupported, integers, is_float, leaf, make,
+                  signed, width)
 
 ENTRY = re.compile(r"\.(?:entry|func)\s*(\(\s*\.param[^)]*\))?\s*([\w$]+)\s*\((.*?)\)"
                    r"((?:(?!\.entry|\.func)[^{;])*)\n\{(.*?)\n\}", re.S)
 PLACE = re.compile(r"\.loc\s+(\d+)\s+(\d+)[^\n]*")
 JUMP = re.compile(r"(?:@(!?)(%p\d+)\s+)?(bra|ret)(?:\.uni)?\s*([\w$]*)$")
+MEET = re.compile(r"(?:bar|barrier|shfl)\.")
 FLOAT = {"add": floats.add, "sub": floats.sub, "mul": floats.mul, "div": floats.div,
          "sqrt": floats.root, "neg": floats.neg, "abs": floats.size,
          "min": floats.least, "max": floats.most, "mov": lambda a: a,
@@ -36,6 +38,8 @@ class File:
         self.globals = set(re.findall(
             r"^\.(?:visible |extern |weak )*\.?(?:shared|global|const)[^\n;]*?"
             r"\b(\w+)(?:\[\d*\])?(?: = [^\n;]*)?;", text, re.M))
+        self.shared = re.findall(r"^\.(?:visible |extern |weak )*\.?shared[^\n;]*?"
+                                 r"\b(\w+)(?:\[\d*\])?;", text, re.M)
 
 
 def sort_of(kind):
@@ -73,11 +77,13 @@ class Function(Machine):
     """A function or kernel. params: what its parameters hold, in order: a value; a
     dictionary of values by byte; or the Base of memory that holds a struct. hooks:
     part of a name to a function that stands for the callee. threads: what %tid.x and
-    others are, where they are not any number."""
+    others are, where they are not any number. together: whether the threads of a block
+    are executed together (together.py), so that they may exchange values."""
 
-    def __init__(self, file, name, memory, params, hooks=None, threads=None):
+    def __init__(self, file, name, memory, params, hooks=None, threads=None,
+                 together=False):
         super().__init__(memory)
-        self.threads = threads or {}
+        self.threads, self.together, self.variables = threads or {}, together, []
         if name not in file.functions:
             raise Unsupported("no function " + name)
         found = file.functions[name]
@@ -100,9 +106,10 @@ class Function(Machine):
         self.blocks[block] = []
         for line in body.split(";"):
             line = " ".join(line.split())
-            variable = re.match(r"\.(?:local|shared) .*?([\w$]+) ?\[(\d+)\]$", line)
+            variable = re.match(r"\.(local|shared) .*?([\w$]+) ?(?:\[\d+\])?$", line)
             if variable:
-                self.space[variable[1]] = self.memory.fresh(variable[1])
+                self.variables.append(variable.groups())
+                self.space[variable[2]] = self.memory.fresh(variable[2])
             elif line.startswith(".loc"):
                 number, row = line.split()[1:]
                 place = self.file.files.get(number, number), row
@@ -110,6 +117,10 @@ class Function(Machine):
                 block = line[:-1]
                 self.blocks[block] = []
             elif line and not line.startswith("."):
+                if MEET.match(line) and self.together:
+                    block += "&"
+                    self.apart.add(block)
+                    self.blocks[block] = []
                 self.blocks[block].append((place, line))
                 if JUMP.match(line):
                     block += "'"
@@ -141,7 +152,8 @@ class Function(Machine):
                 return floats.const(sort, float(text))
             return words.const(sort[1], int(text))
         if text in self.space:
-            return self.space[text]
+            at = self.space[text]
+            return at if sort == integers(64) else words.cut(at, 0, sort[1])
         if text in self.file.globals:
             return leaf("global " + text, integers(64))
         if isinstance(self.params.get(text), Base):
@@ -176,6 +188,9 @@ class Function(Machine):
         args = [word.strip() for word in re.split(r",(?![^{\[]*[}\]])", rest)]
         if kind in ("bar", "barrier", "membar", "fence"):
             return
+        if kind == "shfl":
+            state.regs[args[0].partition("|")[0]] = state.regs.pop("from another lane")
+            return
         if kind == "call":
             self.call(state, rest)
         elif kind in ("ld", "ldu"):
@@ -192,6 +207,21 @@ class Function(Machine):
         found = re.match(r"\[([^\]+]+)(?:\+(-?\d+))?\]", text)
         return found[1].strip(), int(found[2] or 0)
 
+    def place(self, state, name):
+        """What a register that holds an address has. One of 32 bits is of shared
+        memory, of which 2^32 bytes are addressed as are all."""
+        at = self.value(state, name, integers(64))
+        if at.sort == integers(64):
+            return at
+        of, constant = words.parts(at)
+        result = words.const(64, signed(constant, 32))
+        for term, factor in of.items():
+            inner = term.args[0] if term.op == "cut" and term.args[1] == 0 else term
+            known = factor == 1 and inner.sort == integers(64)
+            wide = inner if known else words.extend_signed(term, 64)
+            result = words.add(result, wide, 1 if known else signed(factor, 32))
+        return result
+
     def load(self, state, parts, args):
         """ld, of one or more registers."""
         sort, (name, byte) = sort_of(parts[-1]), self.address(state, args[1])
@@ -205,7 +235,7 @@ class Function(Machine):
             elif held is not None and not isinstance(held, Base):
                 found = held
             else:
-                base = self.value(state, name, integers(64))
+                base = self.place(state, name)
                 found = self.memory.load(state, words.add(base, words.const(64, at)),
                                          count)
             state.regs[target] = in_register(target, as_sort(found, sort), parts[-1])
@@ -223,7 +253,7 @@ class Function(Machine):
                 held[byte + k * count] = new
                 state.regs[key] = held
                 continue
-            base = self.value(state, name, integers(64))
+            base = self.place(state, name)
             to = words.add(base, words.const(64, byte + k * count))
             self.memory.store(state, to, floats.bits(new) if is_float(sort) else new)
 
@@ -312,8 +342,7 @@ class Function(Machine):
         if kind == "prmt" and len(parts) == 1 and words.is_const(a[2]):
             return words.permuted(words.join(a[1], a[0]), a[2].args[0])
         if kind == "abs":
-            below = words.compare("slt", a[0], words.const(a[0].sort[1], 0))
-            return choose(below, WHOLE["neg"](a[0]), a[0])
+            return words.size(a[0])
         if kind in ("div", "rem"):
             return words.divide(last[0] + kind, *a)
         if kind in WHOLE and len(parts) == 1:
@@ -360,7 +389,8 @@ class Function(Machine):
             if part in name:
                 state.regs["param " + result] = {0: hook(self, state, held)}
                 return
-        callee = Function(self.file, name, self.memory, held, self.hooks, self.threads)
+        callee = Function(self.file, name, self.memory, held, self.hooks, self.threads,
+                          self.together)
         caller, state.regs = state.regs, {}
         ended = callee.run("entry", state)
         if result:

@@ -7,6 +7,7 @@ import floats
 import llvm
 import ptx
 import table
+import together
 import words
 from logic import choose
 from run import Memory, State, assume
@@ -41,7 +42,7 @@ def argument(kind, name, bits):
     return both, both
 
 
-def kernel_arguments(twin, module, memory, function):
+def kernel_arguments(twin, module, memory, function, state):
     """The same of a kernel, whose arguments are one struct in memory, and the item."""
     base, at, held = leaf("args", integers(64)), 0, []
     params = llvm.Function(module, function, memory).params
@@ -55,7 +56,7 @@ def kernel_arguments(twin, module, memory, function):
         if by_reference:
             held.append(there)
             continue
-        found = memory.load(State(), there, module.size(inner))
+        found = memory.load(state, there, module.size(inner))
         sort = module.sort(inner)
         if sort == "b":
             found = words.relation("ne", found, words.const(8, 0), False)
@@ -139,8 +140,10 @@ def size_at(side, byte):
 
 def entry_of(file, twin):
     """The name in PTX of a kernel for one world."""
-    plain, of = re.match(r"(\w+)(?:<(\w+)>)?", twin.device).groups()
-    part = f"{len(plain)}{plain}" + (f"I{len(of)}{of}E" if of else "")
+    plain, of = re.match(r"(\w+)(?:<([\w ]+)>)?", twin.device).groups()
+    inner = "".join(f"Li{word}E" if word.isdigit() else f"{len(word)}{word}"
+                    for word in (of or "").split())
+    part = f"{len(plain)}{plain}" + (f"I{inner}E" if of else "")
     names = [n for n in file.functions if "one_kernel" in n and part in n
              and "merged_kernel" not in n]
     if len(names) != 1:
@@ -164,6 +167,8 @@ def hooks_of(twin, bits, item):
 
 def threads_of(twin):
     """The threads that are executed: any, or the three of the item %tid.x."""
+    if twin.shape:
+        return []
     if not twin.coordinates:
         return [{}]
     block, _, thread = ITEM
@@ -173,6 +178,13 @@ def threads_of(twin):
             for c in range(3)]
 
 
+def condition(twin, module, memory, args, state, hooks):
+    """The condition of a row in this state."""
+    truth, _ = llvm.execute(module, f"given_{twin.name}", memory, args, state.copy(),
+                            hooks)
+    return words.relation("ne", truth, words.const(32, 0), False)
+
+
 def question(build, twin, bits):
     """Pairs of terms that must be equal, and the condition under which."""
     group, memory = twin.group, Memory()
@@ -180,27 +192,34 @@ def question(build, twin, bits):
     names = map(table.link_name, group.linked)
     module.linked = [parsed(f"{build}/equal/{name}.{bits}.ll", llvm.Module)
                      for name in names]
-    function = f"twin_{twin.name}"
+    for other in module.linked:
+        other.linked = [module, *module.linked]
+    function, start = f"twin_{twin.name}", State()
     if twin.kernel:
         path = re.sub(r"\.cu$", f".{bits}.ptx", group.device)
         file = parsed(f"{build}/ptx/{path}", ptx.File)
         name = entry_of(file, twin)
-        params, args = kernel_arguments(twin, module, memory, function)
+        params, args = kernel_arguments(twin, module, memory, function, start)
     else:
         file = parsed(f"{build}/equal/{group.name}.{bits}.ptx", ptx.File)
         name = function
         params, args = zip(*(argument(kind, n, bits) for kind, n in twin.params))
-    given, hooks, args = TRUE, hooks_of(twin, bits, args[-1]), list(args)
+    given, args = TRUE, list(args)
+    hooks = hooks_of(twin, bits, args[-1])
     if twin.given:
-        truth, _ = llvm.execute(module, f"given_{twin.name}", memory, args, None, hooks)
-        given = words.relation("ne", truth, words.const(32, 0), False)
-    start = State()
-    fixed(memory, start, given)
-    assume(start, given, True)
+        given = condition(twin, module, memory, args, start, hooks)
+        fixed(memory, start, given)
+        assume(start, given, True)
+        if twin.kernel: # what is fixed is no input
+            params, args = kernel_arguments(twin, module, memory, function, start)
+        given = condition(twin, module, memory, args, start, hooks)
+        assume(start, given, True)
     _, ref = llvm.execute(module, function, memory, args, start.copy(), hooks)
     hooks = {device: hole(ref_name, skipped)
              for device, (ref_name, skipped) in group.holes.items()}
     device = start.copy()
+    if twin.shape:
+        device = together.execute(file, name, memory, params, device, hooks, twin.shape)
     for threads in threads_of(twin):
         device = ptx.execute(file, name, memory, params, device, hooks, threads)
     private = [arg for (_, n), arg in zip(twin.params, args)

@@ -11,7 +11,7 @@ two bases do not overlap.
 """
 import words
 from logic import both, choose, negate
-from term import FALSE, TRUE, Term, Unsupported, integers, leaf, order, show, signed
+from term import FALSE, TABLE, TRUE, Term, Unsupported, integers, leaf, order, show, signed
 
 EXIT = "<exit>"
 MOST_STEPS, MOST_DEPTH = 60000, 400
@@ -51,10 +51,11 @@ def merge_values(condition, a, b):
 
 class Memory:
     """base → byte → (integer term, number of its byte). A byte that nobody has
-    written is an input, or in local memory has no value."""
+    written is an input, or in local memory has no value. filled: what variables begin
+    with."""
 
     def __init__(self):
-        self.count, self.locals, self.bases = 0, set(), {}
+        self.count, self.locals, self.bases, self.filled = 0, set(), {}, {}
 
     def fresh(self, name):
         """The base of new local memory."""
@@ -66,6 +67,14 @@ class Memory:
     @staticmethod
     def split(address):
         """Base and byte of an address."""
+        memo = TABLE.memos["base and byte"]
+        if address.id not in memo:
+            memo[address.id] = Memory.split_new(address)
+        return memo[address.id]
+
+    @staticmethod
+    def split_new(address):
+        """The same of an address that is met for the first time."""
         of, constant = words.parts(address)
         for term in of:
             if any(inner.op in ("joined", "choice") and
@@ -76,6 +85,8 @@ class Memory:
 
     def initial(self, base, byte):
         """What a byte that nobody has written has."""
+        if byte in self.filled.get(base, ()):
+            return self.filled[base][byte]
         if base in self.locals:
             return leaf(("nothing", base.id, byte), integers(8)), 0
         word = byte & ~3
@@ -256,10 +267,11 @@ def settle(state):
 class Machine:
     """A function to execute. A front end sets blocks and follow, and defines
     block(name, state), which executes a block and returns its condition and
-    successors, and edge(from, to, state)."""
+    successors, and edge(from, to, state). apart: the blocks before
+    which threads wait for each other (together.py)."""
 
     def __init__(self, memory):
-        self.memory, self.steps, self.meets = memory, 0, {}
+        self.memory, self.steps, self.meets, self.apart = memory, 0, {}, set()
 
     def block(self, name, state):
         """Executes a block; returns (condition, successors)."""
@@ -276,15 +288,21 @@ class Machine:
             self.steps += 1
             if self.steps > MOST_STEPS:
                 raise Unsupported("more than so many steps")
-            condition, targets = self.block(block, state)
-            known = decide(state, condition)
-            if known is not None:
-                target = targets[0 if known else 1]
-                self.edge(block, target, state)
-                block = target
-                continue
-            block, state = self.fork(block, state, condition, targets, depth)
+            if block in self.apart:
+                raise Unsupported("threads meet on one side of a branch")
+            block, state = self.advance(block, state, depth)
         return state
+
+    def advance(self, block, state, depth=0):
+        """Executes a block and what follows it up to the block where undecided paths
+        meet; returns the next block and the state."""
+        condition, targets = self.block(block, state)
+        known = decide(state, condition)
+        if known is None:
+            return self.fork(block, state, condition, targets, depth)
+        target = targets[0 if known else 1]
+        self.edge(block, target, state)
+        return target, state
 
     def fork(self, block, state, condition, targets, depth):
         """Executes both sides of a branch; returns where they meet, and the state."""

@@ -4,7 +4,7 @@ import dataclasses
 import os
 import re
 
-ROW = re.compile(r"\s*(FILES|HOLE|VALID|TWIN|KERNEL|EACH3|EACH)(?=\()")
+ROW = re.compile(r"\s*(FILES|HOLE|VALID|TWIN|KERNEL|EACH3|EACH|LAUNCH)(?=\()")
 HEAD = "/* Written by ci/equal/table.py from ci/equal/twins.def. */\n"
 
 
@@ -23,6 +23,7 @@ class Twin:
     kernel: bool
     each: bool
     coordinates: bool
+    shape: tuple
     group: "Group" = None
 
 
@@ -38,13 +39,14 @@ class Group:
     twins: list
     holes: dict
     valid: dict
+    number: int = 0
 
     @property
     def name(self):
         """The name of what is written for it."""
         parts = re.sub(r"\.\w+$", "", self.device).split("/")
-        return "_".join(parts[1:]) + ("_cu" if self.device.endswith(".cu") else "")
-
+        return "_".join(parts[1:]) + ("_cu" if self.device.endswith(".cu") else "") + (
+            f"_{self.number}" if self.number else "")
 
     @property
     def linked(self):
@@ -83,14 +85,18 @@ def params_of(text):
 
 def twin_of(kind, parts, group):
     """The twin of a row."""
-    stage, name, params, *parts = parts
+    stage, name, *parts = parts
+    shape = tuple(int(parts.pop(0)) for _ in range(2)) if kind == "LAUNCH" else ()
+    params, *parts = parts
     if kind == "TWIN":
         device = parts.pop(0)
     else:
-        device, name = name.split(":")[0], re.sub(r"[:<]", "_", name).rstrip(">")
+        device, _, case = name.partition(":")
+        name = re.sub(r"<.*", "", device) + "_" + case if case else (
+            re.sub(r"<", "_", device).rstrip(">"))
     ref, *given = parts
     return Twin(stage, name, params_of(params), device, ref, given[0] if given else "",
-                kind != "TWIN", kind[:4] == "EACH", kind == "EACH3", group)
+                kind != "TWIN", kind[:4] == "EACH", kind == "EACH3", shape, group)
 
 
 def read(path):
@@ -104,7 +110,8 @@ def read(path):
             break
         parts, at = arguments(text, row.end())
         if row[1] == "FILES":
-            groups.append(Group(parts[0], parts[1:], [], {}, {}))
+            number = sum(group.device == parts[0] for group in groups)
+            groups.append(Group(parts[0], parts[1:], [], {}, {}, number))
         elif row[1] == "VALID":
             groups[-1].valid[parts[0]] = parts[1]
         elif row[1] == "HOLE":

@@ -325,6 +325,10 @@ def cut(a, low, width):
             return cut(high, low - rest.sort[1], width)
         if low + width <= rest.sort[1]:
             return cut(rest, low, width)
+    if a.op == "ashr" and is_const(a.args[1]):
+        by = a.args[1].args[0]
+        if low + width + by <= whole:
+            return cut(a.args[0], low + by, width)
     if a.op in ("extend", "extend_signed"):
         inner = a.args[0]
         if low + width <= inner.sort[1]:
@@ -404,6 +408,12 @@ def in_parts(a, b):
     return list(zip(*sides))
 
 
+def size(a):
+    """a without its sign."""
+    zero = const(a.sort[1], 0)
+    return choose(compare("slt", a, zero), sub(zero, a), a)
+
+
 def is_choice_of_constants(a):
     """Whether all values of a choice of choices are constants."""
     return is_const(a) or (a.op == "choice" and
@@ -466,6 +476,11 @@ def compare(op, a, b):
     narrow = narrowed(a, b) if op == "slt" else None
     if narrow:
         return compare(op, *narrow)
+    if op == "slt" and is_const(b):
+        if a.op == "extend" and value(b) <= 0:
+            return FALSE
+        if a.op == "choice" and any(map(is_const, a.args[1:])):
+            return push(lambda x: compare(op, x, b), ("slt", b.id), a)
     if op == "slt" and is_const(a) and value(a) != (1 << (a.sort[1] - 1)) - 1:
         return negate(compare("slt", b, const(a.sort[1], value(a) + 1)))
     if op == "ult" and is_const(b) and b.args[0] == 1:
@@ -496,6 +511,11 @@ def equal(a, b):
         return truth(constant == 0)
     if is_const(a):
         a, b = b, a
+    if is_const(b) and b.args[0] == 0 and a.op == "and_bits":
+        x, mask = a.args if is_const(a.args[1]) else a.args[::-1]
+        if is_const(mask) and mask.args[0] & (mask.args[0] - 1) == 0: # of one bit
+            bit = cut(x, mask.args[0].bit_length() - 1, 1)
+            return compare("eq", bit, const(1, 0))
     if is_const(b) and a.op in ("extend", "extend_signed"):
         inner = a.args[0]
         narrow = const(inner.sort[1], b.args[0])
