@@ -28,7 +28,7 @@ static const double settle = 0.1;   /* s */
 /* While it is sewn, the air is so dense that cloth loses its speed to 1/e on
  * this way: a panel whose edges stop would swing on, and then edges of one leg
  * go between those of the other that close beside them. */
-static const double glide = 0.003; /* m */
+static const double glide = 0.01; /* m */
 /* The greatest pull of a seam while it is sewn, which strains light cotton by 3
  * %, and once it is worn, which is many times what a garment weighs. */
 static const double sewing_pull = 30, worn_pull = 300; /* N/m */
