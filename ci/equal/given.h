@@ -109,6 +109,12 @@ struct device_solve {
     struct device_beginning begin;
 };
 
+struct device_levels {
+    int64_t at[17];
+    int32_t count[17];
+    int top;
+};
+
 struct device_grid {
     int32_t m, n;
 };
