@@ -92,7 +92,7 @@ exits 'what is sewn above a floor' 0 sew floor.json --no-picture --out floor
 is 'comes to rest on it' grep -q 'at rest; 1 of 1 seams closed; 0 pairs' out
 cp "$root/app/patterns/bag.json" .
 sed 's/"cell": 0.01/"cell": 0.02/' "$root/app/patterns/hung.json" >hung.json
-exits 'a bag hangs on a rail' 0 sew hung.json --no-picture --out hung
+exits 'a bag hangs on a rail' 0 sew hung.json --no-picture --out rail
 is 'by its handles, at rest' grep -q 'at rest; 7 of 7 seams closed; 0 pairs' out
 # a band across the ends of their seam, by which both are gathered to four fifths
 halves '
