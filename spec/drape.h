@@ -734,8 +734,9 @@ int drape_add_obstacle(drape_world *world, const drape_obstacle *obstacle,
 /* Removes a body, numbered as in drape_first_vertex, at the same cost; those
  * behind it move down. The world is then that of the definition without this
  * body and the seams that it is in, in the state that the others have: a
- * checkpoint of either goes on in the other; seams behind these move down, too. DRAPE_OK; DRAPE_EARG: world is NULL, there is no such body, or it
- * is the only cloth; DRAPE_ENOMEM, DRAPE_EDEVICE. */
+ * checkpoint of either goes on in the other; seams behind these move down, too.
+ * DRAPE_OK; DRAPE_EARG: world is NULL, there is no such body, or it is the only
+ * cloth; DRAPE_ENOMEM, DRAPE_EDEVICE. */
 int drape_remove(drape_world *world, int body);
 
 /* Writes the first `capacity` rows of the plan to row, and returns how many
