@@ -256,7 +256,7 @@ int make_stars(const struct star_grid *s, struct panel *to)
     to->star = arena_take(s->arena, ARENA_CLOTH, n, sizeof *to->star);
     to->share = arena_take(s->arena, ARENA_CLOTH, n, sizeof *to->share);
     to->star_way = arena_take(s->arena, ARENA_CLOTH, n, 1);
-    for (int64_t i = 0; i < all && !s->arena->failed; i++) {
+    for (int64_t i = 0; i < all && k && made && !s->arena->failed; i++) {
         int o = (int)(i % SPRINGS_SINGLE);
         if (!(k[i] > 0))
             continue;
