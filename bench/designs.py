@@ -34,6 +34,7 @@ def draw(code, out, seed):
     from assets.garment_programs.meta_garment import (
         IncorrectElementConfiguration,
         MetaGarment,
+        TotalLengthError,
     )
     from pattern_sampler import assert_param_combinations
 
@@ -47,8 +48,8 @@ def draw(code, out, seed):
             assert_param_combinations(design)
             garment = MetaGarment(f"design{seed}", body, design)
             garment.assert_total_length()
-        except (Exception, IncorrectElementConfiguration):
-            continue  # an empty one, or one that its programs cannot draw
+        except (Exception, IncorrectElementConfiguration, TotalLengthError):
+            continue  # an empty one, too long, or one that its programs cannot draw
         if not garment.is_self_intersecting():
             pattern = garment.assembly()
             pattern.serialize(out, to_subfolder=False, with_3d=False, with_text=False,

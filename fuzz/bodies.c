@@ -68,7 +68,7 @@ const char *play_add_cloth(struct play *p)
         return NULL;
     small_cloth(&p->s, &p->b, &c);
     uint32_t fault = pick(&p->b, 8) == 7 ? 1 + pick(&p->b, 4) : 0;
-    bool wrong = fault || p->s.def.n_seams > 0;
+    bool wrong = fault > 0;
     if (fault == 1)
         c.m = -(int)pick(&p->b, 3);
     if (fault == 2)
@@ -97,7 +97,7 @@ const char *play_add_obstacle(struct play *p)
     if (n == SMALL_OBSTACLES)
         return NULL;
     uint32_t fault = pick(&p->b, 8) == 7 ? 1 + pick(&p->b, 3) : 0;
-    bool wrong = fault || p->s.def.n_seams > 0;
+    bool wrong = fault > 0;
     if (fault == 1)
         o.n_vertices = draw_int(&p->b) | INT32_MIN;
     if (fault == 2)
@@ -122,15 +122,19 @@ const char *play_remove(struct play *p)
     bool any = pick(&p->b, 8) == 7;
     int body = any ? draw_int(&p->b) : (int)pick(&p->b, (uint32_t)(nc + no));
     bool wrong = body < 0 || body >= nc + no || (body == 0 && nc == 1);
-    bool held = p->s.def.n_seams > 0;
     uint64_t kept = wrong ? 0 : others(p, body, HASH_START);
     play_short(p);
     for (int k = 0; k < 2 && p->world[k]; k++)
         status[k] = drape_remove(p->world[k], body);
-    const char *failed = play_judge(p, status, wrong || held);
+    const char *failed = play_judge(p, status, wrong);
     if (failed || status[0] != DRAPE_OK)
         return failed;
     if (body < nc) {
+        drape_seam *seam = &p->s.seam;
+        if (body == seam->cloth[0] || body == seam->cloth[1])
+            p->s.def.n_seams = 0;
+        for (int i = 0; i < 2; i++)
+            seam->cloth[i] -= seam->cloth[i] > body;
         p->s.def.n_cloths--;
         memmove(&p->s.cloth[body], &p->s.cloth[body + 1],
                 (size_t)(nc - 1 - body) * sizeof *p->s.cloth);

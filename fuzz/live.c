@@ -359,6 +359,7 @@ static const char *play_back(struct play *p)
     def.threads = 3 - def.threads;
     def.cloths = p->cloth;
     def.obstacles = p->obstacle;
+    def.seams = &p->seam;
     p->log.at = 0;
     EXPECT(drape_create(&def, &fresh, NULL) == DRAPE_OK);
     while ((status = drape_replay(fresh, tape_read, &p->log, NULL)) == 1)
@@ -380,6 +381,7 @@ const char *play_log(struct play *p)
         p->began = p->s.def;
         memcpy(p->cloth, p->s.cloth, sizeof p->cloth);
         memcpy(p->obstacle, p->s.obstacle, sizeof p->obstacle);
+        p->seam = p->s.seam;
         p->recording =
             drape_record(p->world[0], tape_write, &p->log) == DRAPE_OK;
         EXPECT(p->recording);

@@ -17,6 +17,7 @@ struct play {
     bool recording;
     drape_def began; /* the world's definition where the log begins */
     drape_cloth cloth[SMALL_CLOTHS];
+    drape_seam seam;
     drape_obstacle obstacle[SMALL_OBSTACLES];
     int64_t pairs; /* intersecting pairs now; -1: not known */
     double time;   /* s, time of the last report */

@@ -100,7 +100,8 @@ static void repair(struct tape *log)
         if (!begins(log, at))
             continue;
         memcpy(&h, log->data + at, sizeof h);
-        if (h.kind == RECORD_CLOTH || h.kind == RECORD_MESH)
+        if (h.kind == RECORD_CLOTH || h.kind == RECORD_MESH ||
+            h.kind == RECORD_PANEL)
             h.at = record_mark(h.n);
         if (h.bytes <= log->size - at - head)
             h.check = record_check(h, log->data + at + head);

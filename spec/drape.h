@@ -237,9 +237,8 @@ typedef struct drape_cloth {
     const drape_pin *pins; /* [n_pins] */
     int n_pins;            /* 0 … m·n */
     int bending;           /* enum drape_bending */
-    /* NULL: a rectangle. A panel has no holes and cuts, bending by triples, an
-     * implicit integrator and no wind; a flat start is at its places at rest.
-     * Its world does not change material, and no body comes or goes. */
+    /* NULL: a rectangle. A panel has no holes and cuts, bending by triples and
+     * an implicit integrator; a flat start is at its places at rest. */
     const drape_panel *panel;
 } drape_cloth;
 
@@ -628,8 +627,7 @@ void drape_wake(drape_world *world);
  * Ranges and statuses are those of a definition. A world that was made without
  * air takes memory for it here: DRAPE_ENOMEM or DRAPE_EDEVICE, and nothing has
  * changed. Without density, or without drag and lift, there is no wind,
- * whatever its velocity. DRAPE_EARG where there is a panel, which feels none
- * yet. control/control.md §1 */
+ * whatever its velocity. control/control.md §1 */
 int drape_set_wind(drape_world *world, const drape_wind *wind);
 
 /* Live control: calls between two steps that change the world from the next
@@ -652,7 +650,7 @@ int drape_set_gravity(drape_world *world, const double gravity[3]);
 /* Sets the material of a cloth, 0 … n_cloths - 1; positions and velocities
  * stay. Ranges and statuses are those of a definition; DRAPE_EARG also where
  * no springs fit it, as with cells too oblong or a table too soft (cloth.md §4,
- * §9), and yet in a world that has a panel; DRAPE_ELIMIT where an explicit
+ * §9); DRAPE_ELIMIT where an explicit
  * integrator would need more than max_substeps. */
 int drape_set_material(drape_world *world, int cloth,
                        const drape_material *material);
@@ -728,17 +726,17 @@ int drape_are_sewn(const drape_world *world, int64_t a, int64_t b);
  * DRAPE_EDATA, DRAPE_ENOMEM, DRAPE_EDEVICE, DRAPE_ELIMIT; DRAPE_ESTART if the
  * new body intersects itself or another body, unless the definition allows an
  * intersecting start. `error`, which may be NULL, says what was wrong, by the
- * numbers that the bodies would have. Panels do not come, and a world that has
- * one, or a seam, keeps its bodies yet: DRAPE_EARG. */
+ * numbers that the bodies would have. A new cloth has no seams. */
 int drape_add_cloth(drape_world *world, const drape_cloth *cloth,
                     drape_error *error);
 int drape_add_obstacle(drape_world *world, const drape_obstacle *obstacle,
                        drape_error *error);
 /* Removes a body, numbered as in drape_first_vertex, at the same cost; those
  * behind it move down. The world is then that of the definition without this
- * body, in the state that the others have: a checkpoint of either goes on in
- * the other. DRAPE_OK; DRAPE_EARG: world is NULL, there is no such body, or it
- * is the only cloth; DRAPE_ENOMEM, DRAPE_EDEVICE. */
+ * body and the seams that it is in, in the state that the others have: a
+ * checkpoint of either goes on in the other; seams behind these move down, too.
+ * DRAPE_OK; DRAPE_EARG: world is NULL, there is no such body, or it is the only
+ * cloth; DRAPE_ENOMEM, DRAPE_EDEVICE. */
 int drape_remove(drape_world *world, int body);
 
 /* Writes the first `capacity` rows of the plan to row, and returns how many

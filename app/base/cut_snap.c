@@ -13,6 +13,13 @@ static double grid(const struct cut *cut, int axis, int64_t k)
     return cut->at[axis] + cut->h * (double)k;
 }
 
+/* The particle of a line that is nearest to k cells along it; of two that are
+ * as near, but for rounding, the first. */
+static double nearest(double k)
+{
+    return ceil(k - 0.5 - still);
+}
+
 static void lay(struct cut *cut)
 {
     for (int64_t p = 0; p < (int64_t)cut->m * cut->n; p++) {
@@ -64,7 +71,7 @@ static void snap(struct cut *cut, const struct crossing *at)
 {
     double k = (at->x - cut->at[at->axis]) / cut->h;
     int last = (at->axis ? cut->n : cut->m) - 1;
-    double near = ceil(k - 0.5), right = floor(k) + 1;
+    double near = nearest(k), right = floor(k) + 1;
     if (at->axis == 0 && right <= last)
         cut->kind[(int64_t)fmax(right, 0) + cut->m * at->line] ^= CUT_IN;
     if (near < 0 || near > last)
@@ -79,8 +86,8 @@ static int64_t find_corner(const struct cut *cut, const struct outline *outline,
                            int edge)
 {
     const double *x = outline->x[outline->first[edge]];
-    double i = ceil((x[0] - cut->at[0]) / cut->h - 0.5 - still);
-    double j = ceil((x[1] - cut->at[1]) / cut->h - 0.5 - still);
+    double i = nearest((x[0] - cut->at[0]) / cut->h);
+    double j = nearest((x[1] - cut->at[1]) / cut->h);
     i = fmin(fmax(i, 0), cut->m - 1);
     j = fmin(fmax(j, 0), cut->n - 1);
     return (int64_t)i + cut->m * (int64_t)j;
@@ -103,7 +110,7 @@ static void part(struct cut *cut, const struct crossing *at)
 {
     const struct outline *o = at->outline;
     const double *a = o->x[at->c], *b = o->x[at->c + 1];
-    double k = (at->x - cut->at[at->axis]) / cut->h, near = ceil(k - 0.5);
+    double k = (at->x - cut->at[at->axis]) / cut->h, near = nearest(k);
     /* inside is on the left of the chord */
     double side = (at->axis ? b[0] > a[0] : b[1] < a[1]) ? 1 : -1;
     double next = near + side;

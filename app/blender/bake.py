@@ -236,11 +236,6 @@ def _definition(
     gravity = np.array(scene.gravity if scene.use_gravity else (0, 0, 0), float)
     kinds: dict[str, list[dict[str, Any]]] = {"cloths": [], "garments": []}
     for cloth in cloths:
-        if cloth.made.kind == "garments" and winds.things:
-            raise BakeError(
-                f"{cloth.name}: a garment of UV charts feels no wind yet, so there "
-                f"can be none: remove {winds.names}, or bake a grid of quads"
-            )
         kinds[cloth.made.kind].append(cloth.keys())
     wind = {"wind": {"velocity": winds.velocities[0].tolist()}} if winds.things else {}
     return {

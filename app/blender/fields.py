@@ -33,7 +33,6 @@ class Winds:
         ]
         fields.sort(key=lambda each: each.name)
         self.things = [o for o in fields if o.field.type == "WIND"]
-        self.names = ", ".join(o.name for o in self.things)
         self.velocities: list[NDArray[np.float64]] = []
         self.notes = [
             f"{o.name}: a force field of kind {o.field.type.title()} has no effect; "

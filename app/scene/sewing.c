@@ -25,6 +25,10 @@ static const double fastest = 0.5; /* m/s */
  * m/s that are left at a gap of 5 mm they have 0.2 mJ. */
 static const double slowest = 0.05; /* m/s */
 static const double settle = 0.1;   /* s */
+/* While it is sewn, the air is so dense that cloth loses its speed to 1/e on
+ * this way: a panel whose edges stop would swing on, and then edges of one leg
+ * go between those of the other that close beside them. */
+static const double glide = 0.01; /* m */
 /* The greatest pull of a seam while it is sewn, which strains light cotton by 3
  * %, and once it is worn, which is many times what a garment weighs. */
 static const double sewing_pull = 30, worn_pull = 300; /* N/m */
@@ -39,14 +43,39 @@ static const double rough = 10, fine = 0.1;
 /* At rest: the root mean square of the ways that particles go in this time, s,
  * is below this, m. */
 static const double rest_way = 1e-3, rest_time = 1;
-/* A stage ends, too, if what is open becomes less by no more than this part in
- * this time, s. */
+/* A stage ends, too, if what is open becomes less by no more than this part of
+ * what was open when it began, in this time, s. What is then still held back
+ * by friction closes as slowly in the next ones. */
 static const double progress = 0.05, patience = 0.5;
 enum { RAMP = 30 }; /* frames in which gravity comes */
+/* A seam whose turn has not come is held at the gap with which it began once
+ * that is larger by this part of a cell, so that little moves where all is as
+ * it began. */
+static const double slack = 1;
 
 static int failed(const char *what, int status)
 {
     return complain(APP_FAILED, "sew: %s: %s", what, drape_status_text(status));
+}
+
+/* The mean gap of a seam, m, of the particles in s->x. */
+static double mean_gap(const struct sewing *s, int k)
+{
+    const drape_seam *seam = &s->whole.seams[k];
+    const double(*a)[3] =
+        (const double(*)[3])s->x + drape_first_vertex(s->world, seam->cloth[0]);
+    const double(*b)[3] =
+        (const double(*)[3])s->x + drape_first_vertex(s->world, seam->cloth[1]);
+    double sum = 0;
+    for (int64_t p = 0; p < seam->n; p++) {
+        const double *x = a[seam->particle[p]], *y = b[seam->onto[p][0]];
+        const double *z = b[seam->onto[p][1]];
+        double gap[3];
+        for (int i = 0; i < 3; i++)
+            gap[i] = x[i] - y[i] - seam->part[p] * (z[i] - y[i]);
+        sum += vec3_length(gap);
+    }
+    return sum / (double)seam->n;
 }
 
 static int make_seams(struct sewing *s)
@@ -72,6 +101,7 @@ static int make_seams(struct sewing *s)
                       : about->across ? SEWING_ACROSS
                       : about->around ? SEWING_AROUND
                                       : SEWING_SEAMS;
+        seam->start = mean_gap(s, k);
     }
     return APP_OK;
 }
@@ -204,6 +234,16 @@ static void trace(void *user, int64_t step, const char *stage, uint64_t digest,
                    digest, seconds);
 }
 
+/* The air in which a garment is sewn: a plate of the heaviest cloth that it
+ * meets at the speed v loses ½ ρ v² of its momentum, by area. */
+static drape_wind thick_air(const struct sewing *s)
+{
+    double most = 0;
+    for (int k = 0; k < s->whole.n_cloths; k++)
+        most = fmax(most, s->whole.cloths[k].material.density);
+    return (drape_wind){.density = 2 * most / glide, .drag = 1};
+}
+
 /* The definition of a stage, in the state of the world before it. */
 static void define_stage(struct sewing *s, enum sewing_stage stage)
 {
@@ -227,8 +267,6 @@ static void define_stage(struct sewing *s, enum sewing_stage stage)
         s->obstacle[k].motion = -1;
         s->obstacle[k].frames = 0;
         at += s->obstacle[k].n_vertices;
-        if (!worn)
-            s->obstacle[k].friction = 0;
     }
     def->cloths = s->cloth;
     def->obstacles = s->obstacle;
@@ -237,7 +275,7 @@ static void define_stage(struct sewing *s, enum sewing_stage stage)
     for (int k = 0; k < s->whole.n_seams; k++) {
         s->seam[k].index = -1;
         s->seam[k].told = false;
-        if (s->seam[k].stage > stage)
+        if (s->seam[k].stage > stage && !s->seam[k].held)
             continue;
         s->seam[k].index = def->n_seams;
         s->turn[def->n_seams] = s->whole.seams[k];
@@ -251,6 +289,10 @@ static void define_stage(struct sewing *s, enum sewing_stage stage)
     }
     if (!moving)
         memset(def->gravity, 0, sizeof def->gravity);
+    if (!worn)
+        def->wind = thick_air(s);
+    else if (!moving)
+        memset(def->wind.velocity, 0, sizeof def->wind.velocity);
     def->tolerance = fmin(1, def->tolerance * (worn ? fine : rough));
     if (!worn)
         def->sleep = 0;
@@ -360,28 +402,44 @@ static bool waits(const struct sewing *s, int k, int64_t p)
     return vec3_length(seam->pull[p]) > 0.99 * s->turn[seam->index].strength;
 }
 
+/* Whether the turn of seam k has come. */
+static bool has_turn(const struct sewing *s, int k)
+{
+    return s->seam[k].stage <= s->stage;
+}
+
 /* The part of its gap that each point is to close in this step, so that all
  * that do not wait close at one time and none faster than it may. */
 static double find_part(const struct sewing *s)
 {
     double most = 0;
     for (int k = 0; k < s->whole.n_seams; k++)
-        for (int64_t p = 0; s->seam[k].index >= 0 && p < s->seam[k].n; p++)
+        for (int64_t p = 0; has_turn(s, k) && p < s->seam[k].n; p++)
             if (!waits(s, k, p))
                 most = fmax(most, vec3_length(s->seam[k].gap[p]));
     double step = fmin(fastest, slowest + most / settle) * s->whole.dt;
     return most > step ? step / most : 1;
 }
 
+/* The part by which a seam that is held so far is longer than it began. */
+static double find_excess(const struct sewing_seam *seam)
+{
+    double mean = 0;
+    for (int64_t p = 0; p < seam->n; p++)
+        mean += vec3_length(seam->gap[p]) / (double)seam->n;
+    return mean > seam->start ? 1 - seam->start / mean : 0;
+}
+
 /* Sets the target of each point: a part less of the gap that there is, so that
  * those of seams that meet agree, whatever has waited. */
 static int move_targets(struct sewing *s)
 {
-    double part = find_part(s), step = fastest * s->whole.dt;
+    double all = find_part(s), step = fastest * s->whole.dt;
     for (int k = 0; k < s->whole.n_seams; k++) {
         struct sewing_seam *seam = &s->seam[k];
         if (seam->index < 0)
             continue;
+        double part = has_turn(s, k) ? all : find_excess(seam);
         seam->waiting = 0;
         bool changes = !seam->told;
         for (int64_t p = 0; p < seam->n; p++) {
@@ -405,19 +463,43 @@ static int move_targets(struct sewing *s)
     return APP_OK;
 }
 
-/* Lets gravity come evenly. */
+/* Lets gravity and wind come evenly. */
 static int raise_gravity(struct sewing *s)
 {
     double ramp = (double)RAMP * s->scene->steps_per_frame, g[3];
+    drape_wind wind = s->whole.wind;
     double part = (double)(s->steps - s->begun[SEWING_WORN] + 1) / ramp;
     part = fmin(part, 1);
     if (part == s->heavy)
         return APP_OK;
     s->heavy = part;
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
         g[i] = part * s->whole.gravity[i];
+        wind.velocity[i] *= part;
+    }
     int status = drape_set_gravity(s->world, g);
+    if (status == DRAPE_OK && wind.density > 0)
+        status = drape_set_wind(s->world, &wind);
     return status == DRAPE_OK ? APP_OK : failed("gravity", status);
+}
+
+/* Holds seams that have become longer than they began, though their turn has
+ * not come: so what slides along a body as it is drawn together, a waistband
+ * down from the hips, does not go far from what it will be sewn to. */
+static int hold_seams(struct sewing *s)
+{
+    bool more = false;
+    int status = drape_read(s->world, s->x, NULL);
+    if (status != DRAPE_OK)
+        return failed("the state", status);
+    for (int k = 0; k < s->whole.n_seams; k++) {
+        struct sewing_seam *seam = &s->seam[k];
+        if (seam->index >= 0 ||
+            mean_gap(s, k) < seam->start + slack * s->scene->seam[k].cell)
+            continue;
+        seam->held = more = true;
+    }
+    return more ? make_world(s, s->stage) : APP_OK;
 }
 
 /* Whether the stage's seams are closed, or no longer close. */
@@ -427,14 +509,16 @@ static bool is_done(struct sewing *s)
     bool all = true;
     for (int k = 0; k < s->whole.n_seams; k++) {
         const struct sewing_seam *seam = &s->seam[k];
-        if (seam->stage > s->stage)
+        if (!has_turn(s, k))
             continue;
         all &= seam->most < near * s->scene->seam[k].cell;
         for (int64_t p = 0; p < seam->n; p++)
             left += vec3_length(seam->gap[p]) * s->scene->seam[k].length[p];
     }
     s->still++;
-    if (left < (1 - progress) * s->left) {
+    if (s->left == INFINITY)
+        s->open = left;
+    if (left < s->left - progress * s->open) {
         s->left = left;
         s->still = 0;
     }
@@ -502,6 +586,8 @@ int sewing_step(struct sewing *sewing, drape_step_report *report)
         status = holds_read(sewing);
     if (status == APP_OK && sewing->stage < SEWING_WORN && is_done(sewing))
         return enter_stage(sewing, next_stage(sewing, sewing->stage + 1));
+    if (status == APP_OK && sewing->stage < SEWING_ACROSS)
+        status = hold_seams(sewing);
     if (status == APP_OK && sewing->stage == SEWING_WORN)
         status = find_rest(sewing);
     return status;

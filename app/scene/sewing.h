@@ -25,6 +25,8 @@ struct sewing_seam {
     enum sewing_stage stage; /* in which its turn comes */
     int64_t n;
     int index;           /* in the world; -1: its turn has not come */
+    double start;        /* m, the mean of its gaps at the start */
+    bool held;           /* so far, until its turn comes */
     bool told;           /* the world has these targets */
     double spacing;      /* m, mean length of the seam a point */
     double (*gap)[3];    /* [n] m, particle - place, after the last step */
@@ -72,7 +74,7 @@ struct sewing {
     double heavy;                 /* the part of gravity that the world has */
     int64_t begun[SEWING_STAGES]; /* step before each; -1: skipped */
     int64_t steps, still;         /* made; without progress */
-    double left;                  /* least of what was to close */
+    double open, left;            /* what was to close in this stage; least */
     int64_t nv, nc, nt;           /* vertices, of cloth, triangles */
     int64_t particles;            /* of cloth that have a cell */
     double (*x)[3], (*v)[3];      /* [nv] */

@@ -308,7 +308,7 @@ static int tell(const struct sew *sew, const struct totals *t, const char *end)
         if (seam->closed)
             continue;
         open++;
-        if (seam->index < 0)
+        if (seam->stage > s->stage)
             complain(APP_FINDINGS, "seam %s: its turn has not come",
                      s->scene->seam[k].name);
         else

@@ -28,14 +28,12 @@ struct corner_load {
 
 } // namespace
 
-/* §1, §3: a third of the force on triangle abc and of its resistance. */
-static __device__ struct corner_load third(const struct wind *s, int a, int b,
-                                           int c)
+/* §1, §3: the share of a corner in the force on an area vector and in its
+ * resistance. sum: of the velocities of all corners. */
+static __device__ struct corner_load share_of(const struct wind *s, real share,
+                                              vec area, vec sum)
 {
-    vec ab = sub(s->x[b], s->x[a]), ac = sub(s->x[c], s->x[a]);
-    vec area = scale(R(0.5), cross(ab, ac));
-    vec sum = add(add(s->v[a], s->v[b]), s->v[c]);
-    vec u = sub(s->air, scale(R(1.0 / 3), sum));
+    vec u = sub(s->air, scale(share, sum));
     real flow = dot(area, u), square = dot(u, u);
     real size = length(area) * root(square);
     if (!(size > 0))
@@ -44,7 +42,17 @@ static __device__ struct corner_load third(const struct wind *s, int a, int b,
     vec across = axpy(scale(square, area), -flow, u);
     vec f = scale(s->drag * through, u);
     f = axpy(f, s->lift * (flow / size), across);
-    return {scale(R(1.0 / 3), f), R(1.0 / 3) * ((s->drag + s->lift) * through)};
+    return {scale(share, f), share * ((s->drag + s->lift) * through)};
+}
+
+/* A third of the load of triangle abc. */
+static __device__ struct corner_load third(const struct wind *s, int a, int b,
+                                           int c)
+{
+    vec ab = sub(s->x[b], s->x[a]), ac = sub(s->x[c], s->x[a]);
+    vec area = scale(R(0.5), cross(ab, ac));
+    vec sum = add(add(s->v[a], s->v[b]), s->v[c]);
+    return share_of(s, R(1.0 / 3), area, sum);
 }
 
 /* The shares of the two triangles of cell (i, j); 0 if the cell is not
@@ -106,10 +114,49 @@ KERNEL wind_kernel(const struct wind &s, int across)
         s.inertia[p] = s.mass[p] + s.tau * sum.rate;
 }
 
+/* §4. Thread k owns odd cell k: reads its corners and writes what each gets. */
+KERNEL wind_cells_kernel(const struct wind &s)
+{
+    ITEM(k, s.n_cells);
+    const int32_t *at = s.corner[k];
+    int a = at[0], b = at[1], c = at[2], d = at[3];
+    vec area = scale(R(0.5), cross(sub(s.x[c], s.x[a]), sub(s.x[d], s.x[b])));
+    vec sum = add(add(s.v[a], s.v[b]), s.v[c]);
+    if (d != a)
+        sum = add(sum, s.v[d]);
+    struct corner_load got =
+        share_of(&s, d == a ? R(1.0 / 3) : R(0.25), area, sum);
+    s.load[k][0] = got.force;
+    s.load[k][1] = make(got.rate, 0, 0);
+}
+
+/* §4. Thread k owns particle owner[k]: adds what its odd cells have for it, in
+ * ascending order. The loads must be complete. */
+KERNEL wind_odd_kernel(const struct wind &s)
+{
+    ITEM(k, s.n_parts);
+    int p = s.owner[k];
+    struct corner_load sum = {s.force[p], 0};
+    UNROLL
+    for (int e = 0; e < 4; e++) {
+        int at = s.push[k][e];
+        if (at >= 0)
+            gain(&sum, {s.load[(uint32_t)at >> 2][0],
+                        s.load[(uint32_t)at >> 2][1].x});
+    }
+    s.force[p] = sum.force;
+    if (s.n_inertia)
+        s.inertia[p] += s.tau * sum.rate;
+}
+
 int gpu_wind(struct gpu *g, struct wind *s)
 {
     int across = s->m / WIDE + (s->m % WIDE > 0);
     int64_t down = s->n / HIGH + (s->n % HIGH > 0);
     LAUNCH_BLOCKS(g, down * across, WIDE * HIGH, wind_kernel, *s, across);
+    if (s->n_cells > 0) {
+        LAUNCH(g, s->n_cells, wind_cells_kernel, *s);
+        LAUNCH(g, s->n_parts, wind_odd_kernel, *s);
+    }
     return gpu_status(g);
 }

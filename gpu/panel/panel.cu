@@ -41,6 +41,12 @@ struct panel *gpu_panel_make(struct gpu *g, const struct panel *h)
     return p;
 }
 
+int gpu_panel_wind(struct gpu *g, const struct dynamics *d, struct wind *s)
+{
+    panel_give_wind(d->cloth->panel, s);
+    return gpu_wind(g, s);
+}
+
 int gpu_panel_pull(struct gpu *g, const struct dynamics *d,
                    const struct springs *f)
 {

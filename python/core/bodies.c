@@ -61,6 +61,21 @@ static void forget(enum core_kind kind, void *body)
     }
 }
 
+/* Gives a cloth that was added a copy of where its panel is at rest. */
+static bool keep_rest(struct scene *scene, const drape_panel *from,
+                      drape_cloth *cloth)
+{
+    size_t n = (size_t)cloth->m * (size_t)cloth->n;
+    drape_panel *panel = pool_take(&scene->pool, 1, sizeof *panel);
+    double(*rest)[2] = pool_take(&scene->pool, n, sizeof *rest);
+    if (!panel || !rest)
+        return false;
+    memcpy(rest, from->rest, n * sizeof *rest);
+    panel->rest = (const double(*)[2])rest;
+    cloth->panel = panel;
+    return true;
+}
+
 /* Returns a copy of a list of n items with room for one more and a NULL. */
 static void *longer(struct scene *scene, const void *list, int n, size_t size)
 {
@@ -85,6 +100,10 @@ int core_add(struct scene *scene, enum core_kind kind, const void *body,
     char *added = all + (size_t)old.n * old.size;
     memcpy(added, body, old.size);
     forget(kind, added);
+    const drape_panel *panel =
+        kind == CORE_CLOTH ? ((const drape_cloth *)body)->panel : NULL;
+    if (panel && !keep_rest(scene, panel, (drape_cloth *)added))
+        return complain(APP_FAILED, "out of memory");
     new.body = all;
     new.name[old.n] = name;
     new.look[old.n] = from ? last.look[last.n - 1] : look_default();
@@ -99,6 +118,24 @@ static void drop(void *list, int n, int k, size_t size)
     memmove(at, at + size, (size_t)(n - k - 1) * size);
 }
 
+/* Takes the seams of cloth k away; those of cloths behind it follow them. */
+static void drop_seams(struct scene *scene, int k)
+{
+    drape_def *def = &scene->def;
+    drape_seam *seam = (drape_seam *)def->seams;
+    int n = 0;
+    for (int i = 0; i < def->n_seams; i++) {
+        if (seam[i].cloth[0] == k || seam[i].cloth[1] == k)
+            continue;
+        scene->seam[n] = scene->seam[i];
+        seam[n] = seam[i];
+        for (int j = 0; j < 2; j++)
+            seam[n].cloth[j] -= seam[n].cloth[j] > k;
+        n++;
+    }
+    def->n_seams = n;
+}
+
 void core_remove(struct scene *scene, int body)
 {
     int cloths = scene->def.n_cloths;
@@ -109,5 +146,7 @@ void core_remove(struct scene *scene, int body)
     drop(list.name, list.n, k, sizeof *list.name);
     drop(list.look, list.n, k, sizeof *list.look);
     list.name[--list.n] = NULL;
+    if (kind == CORE_CLOTH)
+        drop_seams(scene, k);
     set_list(scene, kind, &list);
 }

@@ -15,7 +15,8 @@ enum core_log core_log_piece(const void *piece, size_t bytes, int64_t *body)
     if (memcmp(head.magic, RECORD_MAGIC, sizeof head.magic) != 0)
         return CORE_LOG_DATA;
     *body = head.at;
-    return head.kind == RECORD_CLOTH    ? CORE_LOG_CLOTH
+    return head.kind == RECORD_CLOTH || head.kind == RECORD_PANEL
+               ? CORE_LOG_CLOTH
            : head.kind == RECORD_MESH   ? CORE_LOG_OBSTACLE
            : head.kind == RECORD_REMOVE ? CORE_LOG_REMOVE
                                         : CORE_LOG_CALL;

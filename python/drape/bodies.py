@@ -123,7 +123,7 @@ class Bodies:
 
     def remove(self, body: int | str | Body) -> None:
         """Removes a body; those behind it move down, and keep their state. The
-        last cloth stays.
+        last cloth stays. Seams go with either of their cloths.
 
         Args:
             body: its number in `bodies`, its name, or itself

@@ -212,6 +212,28 @@ def test_seams_are_drawn_together() -> None:
         world.set_seam(0, [[0, 0, 0]])
 
 
+def test_a_garment_changes() -> None:
+    pattern = str(ROOT / "app/patterns/tee.json")
+    tee = drape.Garment(pattern=pattern, name="tee", cell=0.04, at=[0, 0, 0])
+    world = drape.World(drape.Scene(garments=[tee], gravity=[0, 0, 0]))
+    world.set_wind({"velocity": [0, 0, 1]})
+    world.set_material("tee.front", "silk")
+    world.step(2)
+    assert world.velocities[world.bodies[0].vertices, 2].mean() > 0
+    before = [world.seam(k)[1] for k in range(world.seams)]
+    names = [b.name for b in world.bodies]
+    world.remove("tee.left_sleeve")
+    gone = names.index("tee.left_sleeve")
+    assert [b.name for b in world.bodies] == names[:gone] + names[gone + 1 :]
+    assert 0 < world.seams < len(before)
+    after = [world.seam(k)[1] for k in range(world.seams)]
+    assert all(any(np.array_equal(a, b) for b in before) for a in after)
+    sleeve = drape.Panel(pattern=pattern, name="left_sleeve", cell=0.04)
+    added = world.add_cloth(drape.Cloth(name="sleeve", panel=sleeve))
+    assert added.rest.shape == world.positions[added.vertices, :2].shape
+    assert world.step().clean and world.seams == len(after)
+
+
 def test_measured_tension(sheet: dict[str, Any]) -> None:
     sheet["cloths"][0]["pins"] = [{"edge": "u0"}]
     table = {"modulus": 100, "warp": [[0.01, 0.5], [0.02, 20]]}

@@ -54,11 +54,15 @@ def processes(words: str, parent: int | None = None) -> dict[int, int]:
 def kill_first(
     find: Callable[[], Any], after: float = 0.7
 ) -> tuple[threading.Thread, list[int]]:
-    """Kills the first process that is found, so many seconds after it is."""
+    """Kills the first process that is found, so many seconds after it is.
+
+    Two nodes of Ray and their workers take a minute or more to start where others
+    use the processors.
+    """
     killed: list[int] = []
 
     def watch() -> None:
-        end = time.monotonic() + 30
+        end = time.monotonic() + 300
         while not killed and time.monotonic() < end:
             for process in find():
                 time.sleep(after)

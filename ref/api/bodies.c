@@ -66,16 +66,6 @@ static int change_bodies(drape_world *world, const struct scene_edit *edit,
     struct arena arena;
     error = error ? error : &own;
     memset(error, 0, sizeof *error);
-    if (world->panels || (edit->cloth && edit->cloth->panel)) {
-        snprintf(error->text, sizeof error->text,
-                 "bodies of a world with a panel cannot change yet");
-        return DRAPE_EARG;
-    }
-    if (world->ops->control.seam_points(world->world, 0) >= 0) {
-        snprintf(error->text, sizeof error->text,
-                 "bodies of a world with a seam cannot change yet");
-        return DRAPE_EARG;
-    }
     world->arena.failed = false;
     arena_init(&arena, &world->arena.allocator);
     int status =

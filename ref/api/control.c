@@ -58,7 +58,7 @@ int drape_set_gravity(drape_world *world, const double gravity[3])
 int drape_set_material(drape_world *world, int cloth,
                        const drape_material *material)
 {
-    if (!is_cloth(world, cloth) || !material || world->panels)
+    if (!is_cloth(world, cloth) || !material)
         return DRAPE_EARG;
     int status = define_check_material(material);
     if (status == DRAPE_OK)

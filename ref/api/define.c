@@ -258,15 +258,12 @@ static void check_eases(struct check *c, const drape_cloth *cloth)
 /* What a panel does not go with. */
 static const char *panel_misfit(const drape_def *def, const drape_cloth *cloth)
 {
-    const drape_wind *wind = &def->wind;
     if (cloth->hole || cloth->cut)
         return "a panel has no holes and cuts";
     if (cloth->bending != DRAPE_TRIPLES)
         return "a panel needs bending by triples";
     if (def->integrator < DRAPE_BW)
         return "a panel needs an implicit integrator";
-    if (wind->density > 0 && (wind->drag > 0 || wind->lift > 0))
-        return "a panel does not feel wind yet, so there can be none";
     return NULL;
 }
 

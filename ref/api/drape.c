@@ -97,9 +97,6 @@ void handle_set(drape_world *handle, const drape_def *def, struct world *world)
     handle->world = world;
     handle->cloths = def->n_cloths;
     handle->bodies = def->n_cloths + def->n_obstacles;
-    handle->panels = 0;
-    for (int k = 0; k < def->n_cloths; k++)
-        handle->panels += def->cloths[k].panel != NULL;
     bool one =
         drape_vertices(handle) < SMALL_SCENE || def->backend == DRAPE_GPU;
     handle->threads = one ? 1 : def->threads;
@@ -308,9 +305,6 @@ int drape_set_wind(drape_world *world, const drape_wind *wind)
     if (!world || !wind)
         return DRAPE_EARG;
     int status = define_check_wind(wind);
-    if (world->panels && wind->density > 0 &&
-        (wind->drag > 0 || wind->lift > 0))
-        return DRAPE_EARG;
     if (status == DRAPE_OK)
         status = world->ops->set_wind(world->world, wind);
     if (status == DRAPE_OK)

@@ -14,7 +14,6 @@ struct drape_world {
     struct world *world;
     int cloths;
     int bodies; /* cloths and obstacles */
-    int panels; /* cloths that are panels, which allow fewer changes */
     int precision;
     int threads; /* of a call that changes the world */
     drape_log *log;

@@ -23,6 +23,7 @@ enum record_kind {
     RECORD_MESH,       /* an obstacle, likewise */
     RECORD_REMOVE,     /* body `at` */
     RECORD_SEAM,       /* seam `at`, of n points: n vectors, or none */
+    RECORD_PANEL,      /* a cloth that is a panel, as RECORD_CLOTH */
     RECORD_KINDS
 };
 
@@ -65,6 +66,8 @@ void record_obstacle(drape_world *world, const drape_obstacle *obstacle);
 /* Read a body from the data of its record, which the definition then points to.
  * DRAPE_OK, or DRAPE_EMATCH if the record has not the size that it says. */
 int record_cloth_of(const uint8_t *data, int64_t bytes, drape_cloth *cloth);
+int record_panel_of(const uint8_t *data, int64_t bytes, drape_cloth *cloth,
+                    drape_panel *panel);
 int record_obstacle_of(const uint8_t *data, int64_t bytes,
                        drape_obstacle *obstacle);
 /* What `at` of a body's record must be. Memory for n bytes is taken before

@@ -6,7 +6,7 @@
 #include "ref/api/record.h"
 #include "ref/base/hash.h"
 
-enum { WORD = 8, CLOTH_PIECES = 5, MESH_PIECES = 4 };
+enum { WORD = 8, CLOTH_PIECES = 5, PANEL_PIECES = 8, MESH_PIECES = 4 };
 
 /* An array that a definition points to; at: NULL: it has none. */
 struct piece {
@@ -35,6 +35,26 @@ static void cloth_pieces(const drape_cloth *c, struct piece p[CLOTH_PIECES])
     /* an empty array is not a missing one: a world's fingerprint tells them
      * apart */
     p[4] = (struct piece){c->pins, (size_t)c->n_pins * sizeof *c->pins};
+}
+
+/* The record of a panel begins with both definitions. */
+struct panel_head {
+    drape_cloth cloth;
+    drape_panel panel;
+};
+
+/* What a panel has behind the pieces of its cloth. */
+static void panel_pieces(const drape_cloth *c, const drape_panel *panel,
+                         struct piece p[PANEL_PIECES])
+{
+    size_t n = (size_t)c->m * (size_t)c->n;
+    size_t cells = (size_t)(c->m - 1) * (size_t)(c->n - 1);
+    cloth_pieces(c, p);
+    p += CLOTH_PIECES;
+    p[0] = (struct piece){panel->rest, n * sizeof *panel->rest};
+    p[1] = (struct piece){panel->cell, cells};
+    p[2] = (struct piece){panel->eases,
+                          (size_t)panel->n_eases * sizeof *panel->eases};
 }
 
 static void mesh_pieces(const drape_obstacle *o, struct piece p[MESH_PIECES])
@@ -84,13 +104,23 @@ static void write_record(drape_world *world, enum record_kind kind,
 
 void record_cloth(drape_world *world, const drape_cloth *cloth)
 {
-    struct piece p[CLOTH_PIECES];
-    drape_cloth c = *cloth;
-    cloth_pieces(cloth, p);
-    c.x = c.velocity = NULL;
-    c.hole = c.cut = NULL;
-    c.pins = NULL;
-    write_record(world, RECORD_CLOTH, &c, sizeof c, p, CLOTH_PIECES);
+    struct piece p[PANEL_PIECES];
+    struct panel_head head = {.cloth = *cloth};
+    drape_cloth *c = &head.cloth;
+    if (cloth->panel)
+        panel_pieces(cloth, cloth->panel, p);
+    else
+        cloth_pieces(cloth, p);
+    c->x = c->velocity = NULL;
+    c->hole = c->cut = NULL;
+    c->pins = NULL;
+    c->panel = NULL;
+    if (cloth->panel) {
+        head.panel.n_eases = cloth->panel->n_eases;
+        write_record(world, RECORD_PANEL, &head, sizeof head, p, PANEL_PIECES);
+    } else {
+        write_record(world, RECORD_CLOTH, c, sizeof *c, p, CLOTH_PIECES);
+    }
 }
 
 void record_obstacle(drape_world *world, const drape_obstacle *obstacle)
@@ -129,25 +159,51 @@ static bool find_pieces(const uint8_t *data, int64_t bytes, size_t size,
     return at == (size_t)bytes;
 }
 
-int record_cloth_of(const uint8_t *data, int64_t bytes, drape_cloth *cloth)
+/* Reads a cloth, or a panel where `panel` is not NULL. */
+static int read_cloth(const uint8_t *data, int64_t bytes, drape_cloth *cloth,
+                      drape_panel *panel)
 {
-    struct piece p[CLOTH_PIECES];
-    drape_cloth c;
-    if ((size_t)bytes < round_up(sizeof c) + WORD * CLOTH_PIECES)
+    struct piece p[PANEL_PIECES];
+    struct panel_head head = {0};
+    size_t size = panel ? sizeof head : sizeof head.cloth;
+    int pieces = panel ? PANEL_PIECES : CLOTH_PIECES;
+    if ((size_t)bytes < round_up(size) + WORD * (size_t)pieces)
         return DRAPE_EMATCH;
-    memcpy(&c, data, sizeof c);
-    if (c.m < 2 || c.n < 2 || c.m > 32768 || c.n > 32768 || c.n_pins < 0)
+    memcpy(&head, data, size);
+    drape_cloth c = head.cloth;
+    if (head.panel.n_eases < 0 || c.m < 2 || c.n < 2 || c.m > 32768 ||
+        c.n > 32768 || c.n_pins < 0)
         return DRAPE_EMATCH;
-    cloth_pieces(&c, p);
-    if (!find_pieces(data, bytes, sizeof c, p, CLOTH_PIECES))
+    if (panel)
+        panel_pieces(&c, &head.panel, p);
+    else
+        cloth_pieces(&c, p);
+    if (!find_pieces(data, bytes, size, p, pieces))
         return DRAPE_EMATCH;
     c.x = (const double(*)[3])p[0].at;
     c.velocity = (const double(*)[3])p[1].at;
     c.hole = p[2].at;
     c.cut = p[3].at;
     c.pins = p[4].at;
+    if (panel)
+        *panel = (drape_panel){.rest = (const double(*)[2])p[5].at,
+                               .cell = p[6].at,
+                               .eases = p[7].at,
+                               .n_eases = head.panel.n_eases};
+    c.panel = panel;
     *cloth = c;
     return DRAPE_OK;
+}
+
+int record_cloth_of(const uint8_t *data, int64_t bytes, drape_cloth *cloth)
+{
+    return read_cloth(data, bytes, cloth, NULL);
+}
+
+int record_panel_of(const uint8_t *data, int64_t bytes, drape_cloth *cloth,
+                    drape_panel *panel)
+{
+    return read_cloth(data, bytes, cloth, panel);
 }
 
 int record_obstacle_of(const uint8_t *data, int64_t bytes,

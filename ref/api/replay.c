@@ -6,7 +6,8 @@
 
 static bool is_body(const struct record_head *h)
 {
-    return h->kind == RECORD_CLOTH || h->kind == RECORD_MESH;
+    return h->kind == RECORD_CLOTH || h->kind == RECORD_MESH ||
+           h->kind == RECORD_PANEL;
 }
 
 /* The vertices that the call of a record about an obstacle will read, or -1. */
@@ -66,14 +67,19 @@ static int body_again(drape_world *world, uint32_t kind, const uint8_t *data,
                       int64_t bytes)
 {
     drape_cloth cloth;
+    drape_panel panel;
     drape_obstacle obstacle;
-    int status = kind == RECORD_CLOTH
-                     ? record_cloth_of(data, bytes, &cloth)
-                     : record_obstacle_of(data, bytes, &obstacle);
+    int status = DRAPE_OK;
+    if (kind == RECORD_MESH)
+        status = record_obstacle_of(data, bytes, &obstacle);
+    else if (kind == RECORD_PANEL)
+        status = record_panel_of(data, bytes, &cloth, &panel);
+    else
+        status = record_cloth_of(data, bytes, &cloth);
     if (status != DRAPE_OK)
         return status;
-    return kind == RECORD_CLOTH ? drape_add_cloth(world, &cloth, NULL)
-                                : drape_add_obstacle(world, &obstacle, NULL);
+    return kind == RECORD_MESH ? drape_add_obstacle(world, &obstacle, NULL)
+                               : drape_add_cloth(world, &cloth, NULL);
 }
 
 static int pose_again(drape_world *world, int obstacle, const void *data)

@@ -30,6 +30,8 @@ struct edited {
     const struct world *old;
     int32_t *from; /* [bodies] the body of the old world, -1: it is new */
     int added;     /* the new body, -1: none */
+    int seams;
+    int *seam; /* [seams] the seam of the old world */
 };
 
 #endif

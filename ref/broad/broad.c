@@ -241,7 +241,7 @@ static int run_walk(struct broad *b)
     for (;;) {
         s.cap = b->pair.cap < b->mask.cap ? b->pair.cap : b->mask.cap;
         s.pair = b->pair.data;
-        s.other = s.pair + s.cap;
+        s.other = s.cap > 0 ? s.pair + s.cap : s.pair;
         s.mask = b->mask.data;
         s.sum = b->sum.data;
         s.cap_tri = b->both.cap;

@@ -248,7 +248,7 @@ void ref_cloth_weigh(struct cloth *c)
     for (int64_t p = 0; p < c->count; p++) {
         unsigned b = c->beside[p];
         if (b & BESIDE_STARS)
-            continue; /* panel_make has weighed it */
+            continue; /* panel_set_material weighs it */
         int cells = (int)((b & 1) + (b >> 1 & 1) + (b >> 2 & 1) + (b >> 3 & 1));
         c->mass[p] = (real)cells * (R(0.25) * c->cell_mass);
     }

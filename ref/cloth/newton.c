@@ -59,7 +59,8 @@ static void add_wind(struct motion *a)
     if (!a->s->windy)
         return;
     force_wind(a->s, a->s->x, a->s->star, a->tau, &w);
-    note_status(a, a->run->wind(a->on, &w));
+    note_status(a, a->s->cloth->panel ? a->run->panel_wind(a->on, a->s, &w)
+                                      : a->run->wind(a->on, &w));
     a->run->trace(a->on, a->s->trace, "wind", w.force, bytes_of(a));
 }
 

@@ -3,21 +3,19 @@
  * spec/cloth/wind.md */
 #include "ref/cloth/wind.h"
 
-/* The load of a triangle on one of its corners: a third of the triangle's. */
+/* The load of a cell on one of its corners: a third of a triangle's. */
 struct corner_load {
     vec force; /* N */
     real rate; /* kg/s */
 };
 
-/* §1, §3: a third of the force on triangle abc and of its resistance. */
-static struct corner_load third_of_load(const struct wind *s, int64_t a,
-                                        int64_t b, int64_t c)
+/* §1, §3: the share of a corner in the force on an area vector and in its
+ * resistance. sum: of the velocities of all corners. */
+static struct corner_load load_of_share(const struct wind *s, real share,
+                                        vec area, vec sum)
 {
     struct corner_load none = {vec_make(0, 0, 0), 0};
-    vec ab = vec_sub(s->x[b], s->x[a]), ac = vec_sub(s->x[c], s->x[a]);
-    vec area = vec_scale(R(0.5), vec_cross(ab, ac));
-    vec sum = vec_add(vec_add(s->v[a], s->v[b]), s->v[c]);
-    vec u = vec_sub(s->air, vec_scale(R(1.0 / 3), sum));
+    vec u = vec_sub(s->air, vec_scale(share, sum));
     real flow = vec_dot(area, u), square = vec_dot(u, u);
     real size = vec_length(area) * real_sqrt(square);
     if (!(size > 0))
@@ -26,8 +24,54 @@ static struct corner_load third_of_load(const struct wind *s, int64_t a,
     vec across = vec_axpy(vec_scale(square, area), -flow, u);
     vec f = vec_scale(s->drag * through, u);
     f = vec_axpy(f, s->lift * (flow / size), across);
-    return (struct corner_load){vec_scale(R(1.0 / 3), f),
-                                R(1.0 / 3) * ((s->drag + s->lift) * through)};
+    return (struct corner_load){vec_scale(share, f),
+                                share * ((s->drag + s->lift) * through)};
+}
+
+/* A third of the load of triangle abc. */
+static struct corner_load third_of_load(const struct wind *s, int64_t a,
+                                        int64_t b, int64_t c)
+{
+    vec ab = vec_sub(s->x[b], s->x[a]), ac = vec_sub(s->x[c], s->x[a]);
+    vec area = vec_scale(R(0.5), vec_cross(ab, ac));
+    vec sum = vec_add(vec_add(s->v[a], s->v[b]), s->v[c]);
+    return load_of_share(s, R(1.0 / 3), area, sum);
+}
+
+/* §4: stores what each corner of odd cell k gets. */
+static void store_odd_load(const struct wind *s, int64_t k)
+{
+    const int32_t *at = s->corner[k];
+    bool triangle = at[3] == at[0];
+    vec across = vec_sub(s->x[at[2]], s->x[at[0]]);
+    vec other = vec_sub(s->x[at[3]], s->x[at[1]]);
+    vec area = vec_scale(R(0.5), vec_cross(across, other));
+    vec sum = vec_add(vec_add(s->v[at[0]], s->v[at[1]]), s->v[at[2]]);
+    if (!triangle)
+        sum = vec_add(sum, s->v[at[3]]);
+    struct corner_load a =
+        load_of_share(s, triangle ? R(1.0 / 3) : R(0.25), area, sum);
+    s->load[k][0] = a.force;
+    s->load[k][1] = vec_make(a.rate, 0, 0);
+}
+
+/* §4: adds to a particle's force and inertia what its odd cells have. */
+static void add_odd_loads(const struct wind *s, int64_t k)
+{
+    int32_t p = s->owner[k];
+    vec f = s->force[p];
+    real rate = 0;
+    for (int q = 0; q < 4; q++) {
+        int32_t at = s->push[k][q];
+        if (at < 0)
+            continue;
+        const vec *load = s->load[(uint32_t)at >> 2]; /* its cell's */
+        f = vec_add(f, load[0]);
+        rate += load[1].x;
+    }
+    s->force[p] = f;
+    if (s->n_inertia)
+        s->inertia[p] += s->tau * rate;
 }
 
 /* §2: adds the shares of p in the triangles around it, in ascending order of
@@ -95,5 +139,11 @@ int ref_wind(struct wind *s)
         if (s->n_inertia)
             s->inertia[p] = s->mass[p] + s->tau * add_resistance(s, p, i, j);
     }
+    EACH_MANY(s->n_cells)
+    for (int64_t k = 0; k < s->n_cells; k++)
+        store_odd_load(s, k);
+    EACH_MANY(s->n_parts)
+    for (int64_t k = 0; k < s->n_parts; k++)
+        add_odd_loads(s, k);
     return DRAPE_OK;
 }

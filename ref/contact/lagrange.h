@@ -30,9 +30,10 @@ struct seam_hinge {
     real behind;         /* m, from the seam to the rows behind it */
 };
 
-/* The seams of a world. first and cloth lie on the host, all other
+/* The seams of a world. first, cloth and made lie on the host, all other
  * arrays in the memory of the backend. */
 struct seams {
+    const drape_seam *made;         /* [count] the definition's */
     int count;                      /* seams */
     int64_t n;                      /* points of all seams */
     int64_t *first;                 /* [count + 1] first point of each */

@@ -4,6 +4,7 @@
 #include "ref/control/control.h"
 
 #include "ref/base/change.h"
+#include "ref/panel/panel.h"
 #include "ref/seam/seam.h"
 #include "ref/sleep/sleep.h"
 #include "ref/world/air.h"
@@ -59,6 +60,17 @@ static void derive_from_cloths(struct world *w)
     }
 }
 
+/* Gives the panel of cloth k its material. */
+static void resend_panel(struct world *w, int k)
+{
+    const struct cloth *c = &w->home->sheet[k].cloth;
+    const struct panel *to = w->sheet[k].cloth.panel;
+    struct panel *a = c->panel;
+    panel_set_material(a, c, w->sheet[k].made.material.density);
+    resend_stream(w, to->bend, a->bend, (size_t)a->n_pairs * sizeof *a->bend);
+    resend_stream(w, to->star, a->star, (size_t)a->n_stars * sizeof *a->star);
+}
+
 void control_tell_cloth(struct world *w, int k)
 {
     struct world *h = w->home;
@@ -81,6 +93,8 @@ void control_tell_cloth(struct world *w, int k)
         s->cloth.panel = own.panel;
         s->cloth.pairs = own.pairs;
     }
+    if (c->panel)
+        resend_panel(w, k);
     resend_stream(w, s->cloth.fixed, c->fixed, n * sizeof *c->fixed);
     resend_stream(w, s->cloth.mass, c->mass, n * sizeof *c->mass);
     sleep_weigh(w, k);

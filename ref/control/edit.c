@@ -34,7 +34,7 @@ static int define_cloth(const struct world *w, int k, struct arena *arena,
     *def = w->sheet[k].made;
     def->material = w->sheet[k].defined;
     def->x = (const double(*)[3])x;
-    def->cut = cut;
+    def->cut = def->panel ? NULL : cut;
     def->pins = pin;
     def->n_pins = (int)pins;
     return DRAPE_OK;
@@ -90,6 +90,27 @@ static void list_bodies(const struct world *old, const struct scene_edit *edit,
     def->n_obstacles = n - def->n_cloths;
 }
 
+/* Lists the seams all of whose cloths stay. */
+static void list_seams(const struct world *old, const drape_def *def,
+                       struct edited *edited, drape_seam *seam)
+{
+    for (int k = 0; k < old->seams.count; k++) {
+        drape_seam s = old->seams.made[k];
+        int found = 0;
+        for (int i = 0; i < 2; i++)
+            for (int c = 0; c < def->n_cloths; c++)
+                if (edited->from[c] == old->seams.cloth[k][i]) {
+                    s.cloth[i] = c;
+                    found++;
+                    break;
+                }
+        if (found == 2) {
+            edited->seam[edited->seams] = k;
+            seam[edited->seams++] = s;
+        }
+    }
+}
+
 int edit_define(const struct world *old, const struct scene_edit *edit,
                 struct arena *arena, drape_def *def, struct edited *edited)
 {
@@ -97,8 +118,12 @@ int edit_define(const struct world *old, const struct scene_edit *edit,
     drape_cloth *cloth = arena_take(arena, ARENA_OTHER, most, sizeof *cloth);
     drape_obstacle *obstacle =
         arena_take(arena, ARENA_OTHER, most, sizeof *obstacle);
+    int seams = old->seams.count;
+    drape_seam *seam = arena_take(arena, ARENA_OTHER, seams, sizeof *seam);
     edited->from = arena_take(arena, ARENA_OTHER, most, sizeof *edited->from);
-    if (!cloth || !obstacle || !edited->from)
+    edited->seam = arena_take(arena, ARENA_OTHER, seams, sizeof *edited->seam);
+    edited->seams = 0;
+    if (arena->failed)
         return DRAPE_ENOMEM;
     edited->old = old;
     *def = old->def;
@@ -107,6 +132,9 @@ int edit_define(const struct world *old, const struct scene_edit *edit,
     def->cloths = cloth;
     def->obstacles = obstacle;
     list_bodies(old, edit, def, edited);
+    list_seams(old, def, edited, seam);
+    def->seams = seam;
+    def->n_seams = edited->seams;
     int status = DRAPE_OK, bodies = def->n_cloths + def->n_obstacles;
     for (int k = 0; k < bodies && status == DRAPE_OK; k++) {
         int from = edited->from[k], o = k - def->n_cloths;
@@ -138,11 +166,23 @@ static void copy_body(struct world *w, int k, const struct world *old, int from)
     size_t bytes = (size_t)(state_first_vertex(w, k + 1) - to) * sizeof(vec);
     const struct state_list s = state_streams(w), was = state_streams(old);
     for (int i = 0; i < STATE_STREAMS; i++)
-        if (to < s.of[i].n) /* a stream of cloth ends before the obstacles */
+        /* a stream of cloth ends before the obstacles */
+        if (to < s.of[i].n && !s.of[i].seams)
             w->run->copy(w->on, *s.of[i].at + to, *was.of[i].at + at, bytes);
     w->run->copy(w->on, w->x1 + to, old->x0 + at, bytes);
     if (k < w->def.n_cloths)
         memcpy(w->watch[k], old->watch[from], sizeof *w->watch);
+}
+
+/* Copies a seam's part of them. */
+static void copy_seam(struct world *w, int k, const struct world *old, int from)
+{
+    int64_t to = w->seams.first[k], at = old->seams.first[from];
+    size_t bytes = (size_t)(w->seams.first[k + 1] - to) * sizeof(vec);
+    const struct state_list s = state_streams(w), was = state_streams(old);
+    for (int i = 0; i < STATE_STREAMS; i++)
+        if (s.of[i].seams)
+            w->run->copy(w->on, *s.of[i].at + to, *was.of[i].at + at, bytes);
 }
 
 /* §9.3: a new cloth has moved with its velocity until now. */
@@ -228,6 +268,8 @@ int edit_inherit(struct world *w, const struct edited *edited,
             begin_cloth(w, k);
         else
             status = begin_obstacle(w, k - w->def.n_cloths);
+    for (int k = 0; k < edited->seams; k++)
+        copy_seam(w, k, old, edited->seam[k]);
     if (status == DRAPE_OK)
         status = control_inherit(w, edited);
     if (status == DRAPE_OK)

@@ -6,6 +6,16 @@
 #include "ref/cloth/dynamics.h"
 #include "ref/cloth/motion.h"
 
+void panel_give_wind(const struct panel *panel, struct wind *s)
+{
+    s->n_cells = panel->n_cells;
+    s->corner = (const int32_t(*)[4])panel->corner;
+    s->n_parts = panel->n_parts;
+    s->owner = panel->part;
+    s->push = (const int32_t(*)[4])panel->push;
+    s->load = (vec(*)[2])panel->pushes;
+}
+
 struct pull panel_pull_of(const struct panel *a, const struct springs *f)
 {
     return (struct pull){.count = f->count,
@@ -74,6 +84,13 @@ struct tension panel_tension_of(const struct panel *a, const struct energy *e)
                             .x = e->x,
                             .n_chunks = panel_chunks(a),
                             .chunk = a->chunk};
+}
+
+int ref_panel_wind(struct gpu *on, const struct dynamics *d, struct wind *s)
+{
+    (void)on;
+    panel_give_wind(d->cloth->panel, s);
+    return ref_wind(s);
 }
 
 int ref_panel_pull(struct gpu *on, const struct dynamics *d,

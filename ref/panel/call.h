@@ -9,10 +9,13 @@
 #include "ref/cloth/blocks.h"
 #include "ref/cloth/energy.h"
 #include "ref/cloth/springs.h"
+#include "ref/cloth/wind.h"
 #include "ref/panel/joins.h"
 #include "ref/panel/pull.h"
 #include "ref/panel/tension.h"
 
+/* Gives stage wind a panel's odd cells. */
+void panel_give_wind(const struct panel *panel, struct wind *s);
 /* NOLINTBEGIN(readability-inconsistent-declaration-parameter-name) */
 struct pull panel_pull_of(const struct panel *panel, const struct springs *f);
 struct joins panel_joins_of(const struct panel *panel, const struct blocks *b);

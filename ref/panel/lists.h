@@ -25,7 +25,7 @@ struct fibre {
 struct star {
     int32_t at[5]; /* the middle, then the arms; a missing one is the middle */
     real c[4];     /* of the arms */
-    real k;        /* N/m, > 0 */
+    real k;        /* N/m, ≥ 0 */
 };
 
 struct panel {
@@ -37,7 +37,7 @@ struct panel {
     int32_t *first;           /* [n_pairs] particle */
     uint8_t *way;             /* [n_pairs] forward direction of the other */
     real *bend;               /* [n_pairs] N/m, Σ ½ bend |x_q - x_p|² is the
-                                 energy of the stars; 0: none join the pair */
+                                 energy of the stars */
     int32_t (*from)[2];       /* [n_pairs] CELL_PAIRS·cell + pair of the odd
                                  cells that have it, ascending; -1: none */
     int64_t n_parts;          /* particles of pairs, ascending */
@@ -45,9 +45,15 @@ struct panel {
     int32_t (*push)[4];       /* [n_parts] CORNERS·cell + corner of the odd
                                  cells that have it, ascending; -1: none */
     int32_t (*tie)[16];       /* [n_parts] its pair in direction o at 2·o, that
-                                 against o behind it; -1: none, or bend is 0 */
+                                 against o behind it; -1: stars join none */
     int64_t n_stars;          /* ascending by middle, then direction */
     struct star *star;        /* [n_stars] */
+
+    /* What mass and bending are made of, on the host. */
+    double *area;      /* [n_parts] m², of a particle that has odd cells; 0 */
+    double *share;     /* [n_stars] m², the area that a star answers for */
+    uint8_t *star_way; /* [n_stars] its direction */
+    double *sum;       /* scratch: [n_pairs] N/m */
 
     vec *pushes; /* scratch: [CORNERS·n_cells] N */
     sym *joins;  /* scratch: [CELL_PAIRS·n_cells] kg */

@@ -5,6 +5,7 @@
 
 #include "ref/base/cells.h"
 #include "ref/base/sum.h"
+#include "ref/cloth/triple.h"
 #include "ref/panel/fibres.h"
 #include "ref/panel/stars.h"
 
@@ -18,7 +19,8 @@ struct making {
     double *area;   /* [count] m², of particles that have odd cells, else 0 */
     double *ease;   /* [SPRINGS·count] what the edge in direction o of p is
                        eased by, 0: it is not; NULL: none is */
-    double *bend;   /* [SPRINGS·count] N/m, of the pair in direction o of p */
+    uint8_t *tied;  /* [SPRINGS·count] 1: stars join the pair in direction o of
+                       p */
     uint8_t *pairs; /* [count] bits of the pairs that are joined */
     int32_t *at;    /* [SPRINGS·count] number of the pair; [count] of the
                        particle in the list */
@@ -29,19 +31,28 @@ static void *take_stream(const struct making *a, int64_t n, size_t size)
     return arena_take(a->arena, ARENA_CLOTH, n, size);
 }
 
+/* Returns the forward direction of the pair p, q, and sets its first particle.
+ */
+static int direction_of(int32_t m, int64_t p, int64_t q, int64_t *first)
+{
+    int64_t di = q % m - p % m, dj = q / m - p / m;
+    for (int o = 0; o < SPRINGS; o++) {
+        *first = p;
+        if (di == spring_di[o] && dj == spring_dj[o])
+            return o;
+        *first = q;
+        if (di == -spring_di[o] && dj == -spring_dj[o])
+            return o;
+    }
+    return -1;
+}
+
 /* Where the block of the pair p, q is: direction · count + first particle. */
 static int64_t slot_of(const struct making *a, int64_t p, int64_t q)
 {
-    int32_t m = a->cloth->m;
-    for (int o = 0; o < SPRINGS; o++) {
-        int64_t step = spring_step(m, o);
-        int64_t di = q % m - p % m, dj = q / m - p / m;
-        if (di == spring_di[o] && dj == spring_dj[o])
-            return o * a->cloth->count + p;
-        if (di == -spring_di[o] && dj == -spring_dj[o])
-            return o * a->cloth->count + p - step;
-    }
-    return -1;
+    int64_t first;
+    int o = direction_of(a->cloth->m, p, q, &first);
+    return o < 0 ? -1 : o * a->cloth->count + first;
 }
 
 /* Calls visit for each odd cell, ascending; number: how many there were before.
@@ -114,8 +125,8 @@ static void make_cell(struct making *a, int64_t number, const int64_t at[4],
 }
 
 /* §3.2: adds what the regular cells of a particle of an odd cell give to its
- * area, and sets its mass and its mark. */
-static void weigh_particles(struct making *a)
+ * area, and marks it. */
+static void measure_particles(struct making *a)
 {
     struct cloth *c = a->cloth;
     double cell = a->def->width / (c->m - 1) * (a->def->height / (c->n - 1));
@@ -125,29 +136,40 @@ static void weigh_particles(struct making *a)
             continue;
         for (int k = 0; k < 4; k++)
             a->area[p] += b >> k & 1 ? cell / 4 : 0;
-        c->mass[p] = (real)(a->def->material.density * a->area[p]);
         c->beside[p] = (uint8_t)(b | BESIDE_STARS);
     }
 }
 
-/* §4.3: what the stars join. As Σ c = 0, |Σ c x|² is -Σ c_p c_q |x_p - x_q|²
- * over the pairs. */
+/* The weights of a star on its five particles. */
+static void star_weights(const struct star *s, double c[5])
+{
+    c[0] = 0;
+    for (int k = 1; k < 5; k++) {
+        c[k] = (double)s->c[k - 1];
+        c[0] -= c[k];
+    }
+}
+
+/* Whether a star joins its particles p and q. */
+static bool star_joins(const struct star *s, const double c[5], int p, int q)
+{
+    return c[p] != 0 && c[q] != 0 && s->at[p] != s->at[q];
+}
+
+/* §4.3: the pairs that the stars join. */
 static void join_stars(struct making *a)
 {
     int64_t count = a->cloth->count;
     for (int64_t i = 0; i < a->to->n_stars; i++) {
         const struct star *s = &a->to->star[i];
-        double c[5] = {0, 0, 0, 0, 0};
-        for (int k = 1; k < 5; k++) {
-            c[k] = (double)s->c[k - 1];
-            c[0] -= c[k];
-        }
+        double c[5];
+        star_weights(s, c);
         for (int p = 0; p < 5; p++)
             for (int q = p + 1; q < 5; q++) {
-                if (c[p] == 0 || c[q] == 0 || s->at[p] == s->at[q])
+                if (!star_joins(s, c, p, q))
                     continue;
                 int64_t slot = slot_of(a, s->at[p], s->at[q]);
-                a->bend[slot] -= (double)s->k * c[p] * c[q];
+                a->tied[slot] = 1;
                 a->pairs[slot % count] |= (uint8_t)(1 << slot / count);
             }
     }
@@ -165,7 +187,6 @@ static void list_pairs(struct making *a)
                 continue;
             to->first[k] = (int32_t)p;
             to->way[k] = (uint8_t)o;
-            to->bend[k] = (real)a->bend[slot];
             to->from[k][0] = to->from[k][1] = -1;
             a->at[slot] = (int32_t)to->n_pairs++;
         }
@@ -216,6 +237,7 @@ static void list_parts(struct making *a)
     to->part = take_stream(a, to->n_parts, sizeof *to->part);
     to->push = take_stream(a, to->n_parts, sizeof *to->push);
     to->tie = take_stream(a, to->n_parts, sizeof *to->tie);
+    to->area = take_stream(a, to->n_parts, sizeof *to->area);
     if (a->arena->failed)
         return;
     memset(to->push, -1, (size_t)to->n_parts * sizeof *to->push);
@@ -224,12 +246,13 @@ static void list_parts(struct making *a)
     for (int64_t p = 0; p < count; p++)
         if (a->pairs[p]) {
             to->part[to->n_parts] = (int32_t)p;
+            to->area[to->n_parts] = a->area[p];
             a->at[p] = (int32_t)to->n_parts++;
         }
     for (int64_t k = 0; k < to->n_pairs; k++) {
         int64_t p = to->first[k], o = to->way[k];
         int64_t q = p + spring_step(a->cloth->m, (int)o);
-        if (to->bend[k] != 0) {
+        if (a->tied[o * count + p]) {
             to->tie[a->at[p]][2 * o] = (int32_t)k;
             to->tie[a->at[q]][2 * o + 1] = (int32_t)k;
         }
@@ -256,7 +279,7 @@ static int make_cells(struct making *a)
     if (a->arena->failed)
         return DRAPE_ENOMEM;
     each_odd_cell(a, make_cell);
-    weigh_particles(a);
+    measure_particles(a);
     struct star_grid grid = {a->def, a->cloth, a->area, a->hinged, a->arena};
     return make_stars(&grid, to);
 }
@@ -270,6 +293,7 @@ static int make_lists(struct making *a)
     to->way = take_stream(a, n, sizeof *to->way);
     to->bend = take_stream(a, n, sizeof *to->bend);
     to->from = take_stream(a, n, sizeof *to->from);
+    to->sum = take_stream(a, n, sizeof *to->sum);
     to->chunk = take_stream(a, sum_chunks(to->n_cells + to->n_stars),
                             sizeof *to->chunk);
     if (a->arena->failed)
@@ -280,6 +304,56 @@ static int make_lists(struct making *a)
     if (!a->arena->failed)
         each_odd_cell(a, name_pushes);
     return a->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
+}
+
+/* The number of the pair of particles p and q. */
+static int64_t find_pair(const struct panel *a, int32_t m, int32_t p, int32_t q)
+{
+    int64_t first, low = 0, high = a->n_pairs;
+    int o = direction_of(m, p, q, &first);
+    while (low < high) {
+        int64_t middle = low + (high - low) / 2;
+        if (a->first[middle] < first)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    while (a->way[low] != o)
+        low++;
+    return low;
+}
+
+/* §4.3: what the stars of the panel are to its pairs. As Σ c = 0, |Σ c x|² is
+ * -Σ c_p c_q |x_p - x_q|² over them. */
+static void bend_pairs(struct panel *a, int32_t m)
+{
+    for (int64_t k = 0; k < a->n_pairs; k++)
+        a->sum[k] = 0;
+    for (int64_t i = 0; i < a->n_stars; i++) {
+        const struct star *s = &a->star[i];
+        double c[5];
+        star_weights(s, c);
+        for (int p = 0; p < 5; p++)
+            for (int q = p + 1; q < 5; q++)
+                if (star_joins(s, c, p, q))
+                    a->sum[find_pair(a, m, s->at[p], s->at[q])] -=
+                        (double)s->k * c[p] * c[q];
+    }
+    for (int64_t k = 0; k < a->n_pairs; k++)
+        a->bend[k] = (real)a->sum[k];
+}
+
+void panel_set_material(struct panel *a, const struct cloth *c, double density)
+{
+    double cell = (double)c->hu * (double)c->hv;
+    for (int64_t k = 0; k < a->n_parts; k++)
+        if (a->area[k] > 0)
+            c->mass[a->part[k]] = (real)(density * a->area[k]);
+    for (int64_t k = 0; k < a->n_stars; k++) {
+        double whole = (double)triple_constant(c->triple, a->star_way[k], 15);
+        a->star[k].k = (real)(whole * a->share[k] / cell);
+    }
+    bend_pairs(a, c->m);
 }
 
 /* Notes which edges are eased. */
@@ -304,7 +378,7 @@ int panel_make(const drape_cloth *d, struct cloth *c, const uint8_t *hinged,
     a.to = take_stream(&a, 1, sizeof *a.to);
     c->pairs = take_stream(&a, c->count, 1);
     a.area = arena_take(arena, ARENA_OTHER, c->count, sizeof *a.area);
-    a.bend = arena_take(arena, ARENA_OTHER, slots, sizeof *a.bend);
+    a.tied = arena_take(arena, ARENA_OTHER, slots, 1);
     a.pairs = arena_take(arena, ARENA_OTHER, c->count, 1);
     a.at = arena_take(arena, ARENA_OTHER, slots, sizeof *a.at);
     take_eases(&a);
@@ -312,9 +386,11 @@ int panel_make(const drape_cloth *d, struct cloth *c, const uint8_t *hinged,
     int status = arena->failed ? DRAPE_ENOMEM : make_cells(&a);
     if (status == DRAPE_OK)
         status = make_lists(&a);
+    if (status == DRAPE_OK)
+        panel_set_material(a.to, c, d->material.density);
     arena_give(arena, a.area);
     arena_give(arena, a.ease);
-    arena_give(arena, a.bend);
+    arena_give(arena, a.tied);
     arena_give(arena, a.pairs);
     arena_give(arena, a.at);
     return status;

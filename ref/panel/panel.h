@@ -12,4 +12,8 @@
 int panel_make(const drape_cloth *def, struct cloth *c, const uint8_t *hinged,
                struct arena *arena);
 
+/* Sets the masses of the cloth's particles that have odd cells, and the stars'
+ * stiffness, to those of the material that the cloth has. density: kg/m². */
+void panel_set_material(struct panel *a, const struct cloth *c, double density);
+
 #endif

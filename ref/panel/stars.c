@@ -247,7 +247,6 @@ int make_stars(const struct star_grid *s, struct panel *to)
 {
     const struct cloth *c = s->cloth;
     int64_t all = SPRINGS_SINGLE * c->count, n = 0;
-    double cell = (double)c->hu * (double)c->hv;
     double *k = arena_take(s->arena, ARENA_OTHER, all, sizeof *k);
     uint8_t *made = arena_take(s->arena, ARENA_OTHER, c->count, 1);
     if (k && made)
@@ -255,15 +254,15 @@ int make_stars(const struct star_grid *s, struct panel *to)
     for (int64_t i = 0; i < all && k; i++)
         n += k[i] > 0;
     to->star = arena_take(s->arena, ARENA_CLOTH, n, sizeof *to->star);
-    for (int64_t i = 0; i < all && k && made && to->star; i++) {
+    to->share = arena_take(s->arena, ARENA_CLOTH, n, sizeof *to->share);
+    to->star_way = arena_take(s->arena, ARENA_CLOTH, n, 1);
+    for (int64_t i = 0; i < all && k && made && !s->arena->failed; i++) {
         int o = (int)(i % SPRINGS_SINGLE);
-        double whole = (double)triple_constant(c->triple, o, 15);
-        real stiff = (real)(whole * k[i] / cell);
-        if (!(stiff > 0))
+        if (!(k[i] > 0))
             continue;
-        struct star *star = &to->star[to->n_stars++];
-        make_form(s, made, o, i / SPRINGS_SINGLE, star);
-        star->k = stiff;
+        make_form(s, made, o, i / SPRINGS_SINGLE, &to->star[to->n_stars]);
+        to->share[to->n_stars] = k[i];
+        to->star_way[to->n_stars++] = (uint8_t)o;
     }
     arena_give(s->arena, k);
     arena_give(s->arena, made);

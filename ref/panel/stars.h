@@ -18,8 +18,8 @@ struct star_grid {
     struct arena *arena;
 };
 
-/* Takes the stars of a panel from the arena: star and n_stars of `to`. DRAPE_OK
- * or DRAPE_ENOMEM. */
+/* Takes the stars of a panel from the arena, but their stiffness: star, share,
+ * star_way and n_stars of `to`. DRAPE_OK or DRAPE_ENOMEM. */
 int make_stars(const struct star_grid *s, struct panel *to);
 
 #endif

@@ -368,6 +368,31 @@ static int make_lists(struct world *w, drape_error *error)
     return status;
 }
 
+/* Copies an array of a definition. */
+static void *copy_array(struct world *w, const void *from, int64_t n,
+                        size_t size)
+{
+    void *to = take_array(w, n, size);
+    if (to && n > 0)
+        memcpy(to, from, (size_t)n * size);
+    return to;
+}
+
+/* Copies the definitions of all seams. */
+static void keep_definitions(struct world *w, const drape_def *def)
+{
+    drape_seam *made = take_array(w, def->n_seams, sizeof *made);
+    for (int k = 0; k < def->n_seams && made; k++) {
+        const drape_seam *s = &def->seams[k];
+        made[k] = *s;
+        made[k].particle =
+            copy_array(w, s->particle, s->n, sizeof *s->particle);
+        made[k].onto = copy_array(w, s->onto, s->n, sizeof *s->onto);
+        made[k].part = copy_array(w, s->part, s->n, sizeof *s->part);
+    }
+    w->seams.made = made;
+}
+
 int sew_fill(struct world *w, const drape_def *def, drape_error *error)
 {
     struct seams *s = &w->seams;
@@ -380,6 +405,7 @@ int sew_fill(struct world *w, const drape_def *def, drape_error *error)
     s->next = arena_take(w->arena, ARENA_STATE, s->n, sizeof *s->next);
     s->hinge = take_array(w, s->n, sizeof *s->hinge);
     s->aside = arena_take(w->arena, ARENA_RESPONSE, 2 * s->n, sizeof *s->aside);
+    keep_definitions(w, def);
     int status = w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
     for (int k = 0; k < s->count && status == DRAPE_OK; k++) {
         s->first[k + 1] = s->first[k] + def->seams[k].n;

@@ -143,6 +143,30 @@ static int say_pin(const drape_cloth *def, const struct cloth *c, int k,
         k, p, def->pins[p].i, def->pins[p].j);
 }
 
+/* Copies the definition of a panel for one of the world's own (control.md
+ * §9.1). */
+static int keep_panel(struct world *w, const drape_cloth *d, struct sheet *s)
+{
+    const drape_panel *from = d->panel;
+    int64_t n = (int64_t)d->m * d->n, cells = (int64_t)(d->m - 1) * (d->n - 1);
+    drape_panel *to = take_stream(w, ARENA_OTHER, 1, sizeof *to);
+    double(*rest)[2] = take_stream(w, ARENA_OTHER, n, sizeof *rest);
+    uint8_t *cell = take_stream(w, ARENA_OTHER, cells, 1);
+    drape_ease *ease = take_stream(w, ARENA_OTHER, from->n_eases, sizeof *ease);
+    if (w->arena->failed)
+        return DRAPE_ENOMEM;
+    memcpy(rest, from->rest, (size_t)n * sizeof *rest);
+    memcpy(cell, from->cell, (size_t)cells);
+    if (from->n_eases > 0)
+        memcpy(ease, from->eases, (size_t)from->n_eases * sizeof *ease);
+    *to = (drape_panel){.rest = (const double(*)[2])rest,
+                        .cell = cell,
+                        .eases = from->n_eases > 0 ? ease : NULL,
+                        .n_eases = from->n_eases};
+    s->made.panel = to;
+    return DRAPE_OK;
+}
+
 /* Makes the panel of cloth k, if it is one. DRAPE_OK or DRAPE_ENOMEM. */
 static int fill_panel(struct world *w, const drape_def *def, int k)
 {
@@ -155,7 +179,8 @@ static int fill_panel(struct world *w, const drape_def *def, int k)
     hinge_mark(def, k, hinged);
     int status = panel_make(&def->cloths[k], c, hinged, w->arena);
     arena_give(w->arena, hinged);
-    return status;
+    return status == DRAPE_OK ? keep_panel(w, &def->cloths[k], &w->sheet[k])
+                              : status;
 }
 
 static int fill_cloth(struct world *w, const drape_def *all, int k,
@@ -247,7 +272,8 @@ static int fill_pins(struct world *w, const drape_cloth *def, int k)
                             .width = def->width,
                             .height = def->height,
                             .material = def->material,
-                            .bending = def->bending};
+                            .bending = def->bending,
+                            .panel = s->made.panel};
     s->defined = def->material;
     return s->pins.n > s->cloth.n_pinned ? agree_on_motion(w, s, motion)
                                          : DRAPE_OK;

@@ -23,7 +23,8 @@ struct caller_pins {
 /* One cloth: its model, its part of the streams, its stages, and its pins. */
 struct sheet {
     struct cloth cloth;
-    drape_cloth made;       /* its scalars; the material is the current one */
+    drape_cloth made; /* its scalars and its own panel; the material is the
+                         current one */
     drape_material defined; /* the definition's material */
     struct caller_pins caller_pins;
     int64_t first, first_triangle; /* where the cloth begins in the streams */

@@ -143,10 +143,12 @@ struct world {
 };
 
 /* A stream of the state. at: the member of the world that points to it. n: its
- * items, of which those of cloth come first; 0: the world does not have it. */
+ * items, of vertices, of which those of cloth come first, or of the points of
+ * seams; 0: the world does not have it. */
 struct state_stream {
     vec **at;
     int64_t n;
+    bool seams;
 };
 struct state_list {
     struct state_stream of[STATE_STREAMS];
@@ -160,14 +162,14 @@ static inline struct state_list state_streams(const struct world *w)
     struct world *own = (struct world *)w; /* a maker sets the members */
     int64_t past = w->plan.history ? w->nc : 0, rest = w->def.sleep ? w->nc : 0;
     int64_t points = w->seams.n;
-    struct state_list list = {{{&own->x0, w->nv},
-                               {&own->v0, w->nv},
-                               {&own->past_x, past},
-                               {&own->past_v, past},
-                               {&own->anchor, rest},
-                               {&own->seams.pull, points},
-                               {&own->seams.from, points},
-                               {&own->seams.to, points}}};
+    struct state_list list = {{{&own->x0, w->nv, false},
+                               {&own->v0, w->nv, false},
+                               {&own->past_x, past, false},
+                               {&own->past_v, past, false},
+                               {&own->anchor, rest, false},
+                               {&own->seams.pull, points, true},
+                               {&own->seams.from, points, true},
+                               {&own->seams.to, points, true}}};
     return list;
 }
 

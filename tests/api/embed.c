@@ -106,7 +106,7 @@ static const char *lend(int response)
         drape_step_report r;
         drape_memory a, b;
         guest_make(&s, backend);
-        s.cloth.m = s.cloth.n = 24;
+        s.cloth.m = s.cloth.n = 16;
         s.def.response = response;
         s.def.matrix = DRAPE_CDF; /* this matrix lends most memory */
         s.def.precond = DRAPE_JACOBI;

@@ -83,6 +83,7 @@ static const char *check_added(int integrator, int backend, int body)
 {
     struct troupe t, less;
     troupe_make(&t, integrator, backend);
+    t.def.n_seams = 0; /* a body brings none */
     less = t;
     troupe_drop(&less, body);
     drape_world *a = troupe_world(&less), *b = troupe_world(&t);
@@ -173,9 +174,37 @@ static const char *check_both(int integrator, int backend, bool changes)
     return what;
 }
 
+/* The same where a seam pulls and has a target; and where one cloth of it goes,
+ * the seam goes, too. */
+static const char *check_sewn(int backend)
+{
+    static struct recall before, after;
+    double gap[3][3], pull[3][3];
+    struct troupe t;
+    troupe_make(&t, DRAPE_BDF2, backend);
+    drape_world *a = troupe_world(&t);
+    EXPECT(a && guest_go(a, 4) == DRAPE_OK);
+    EXPECT(drape_seam_state(a, 0, gap, pull) == DRAPE_OK);
+    EXPECT(fabs(pull[0][1]) > 0);
+    gap[0][1] *= 0.5;
+    EXPECT(drape_seam_target(a, 0, (const double(*)[3])gap) == DRAPE_OK);
+    EXPECT(recall_save(a, &before));
+    EXPECT(drape_add_cloth(a, &t.cloth[0], NULL) == DRAPE_ESTART);
+    EXPECT(drape_remove(a, 3) == DRAPE_OK);
+    EXPECT(drape_add_obstacle(a, &t.obstacle[1], NULL) == 1);
+    EXPECT(recall_save(a, &after) && recall_same(&before, &after));
+    EXPECT(drape_remove(a, 0) == DRAPE_OK);
+    EXPECT(drape_seam_state(a, 0, gap, pull) == DRAPE_EARG);
+    EXPECT(guest_go(a, 2) == DRAPE_OK);
+    drape_destroy(a);
+    ran(1);
+    return NULL;
+}
+
 const char *test_bodies_both(void)
 {
-    const char *what = NULL;
+    const char *what = check_sewn(DRAPE_REF);
+    what = what ? what : check_sewn(DRAPE_GPU);
     for (int k = 0; k < TROUPE_INTEGRATORS && !what; k++) {
         what = check_both(troupe_integrators[k], DRAPE_REF, false);
         what = what ? what : check_both(troupe_integrators[k], k % 2, true);
@@ -223,6 +252,7 @@ const char *test_bodies_alone(void)
     for (int backend = 0; backend < 2; backend++) {
         struct troupe t, one;
         troupe_make(&t, DRAPE_BDF2, backend);
+        t.def.n_seams = 0;
         t.cloth[0].origin[1] = 4;
         t.cloth[1].origin[1] = 6;
         t.cloth[1].x = NULL;

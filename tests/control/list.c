@@ -182,7 +182,7 @@ static const char *check_fall(int integrator, int backend, int newton,
     drape_world *world = slab_world(&d);
     EXPECT(world);
     const char *failed = NULL;
-    int steps = backend ? 6 : 16; /* an emulated device is slow */
+    int steps = backend ? 4 : 16; /* an emulated device is slow */
     for (int k = 0; k < steps && !failed; k++) {
         drape_step_report r;
         EXPECT(keeps(world, &d.cloth, k > 0, p[0]) == DRAPE_OK);

@@ -43,6 +43,36 @@ static void make_above(drape_cloth *c)
     c->velocity = (const double(*)[3])speed;
 }
 
+/* Makes a sheet a panel that lacks a cell and a corner, and has a moved one. */
+static void make_panel(drape_cloth *c)
+{
+    enum { CELLS = (TROUPE_M - 1) * (TROUPE_N - 1) };
+    static double rest[TROUPE_COUNT][2];
+    static uint8_t cell[CELLS];
+    static const drape_panel panel = {.rest = (const double(*)[2])rest,
+                                      .cell = cell};
+    for (int k = 0; k < TROUPE_COUNT; k++) {
+        rest[k][0] = c->width / (TROUPE_M - 1) * (k % TROUPE_M);
+        rest[k][1] = c->height / (TROUPE_N - 1) * (k / TROUPE_M);
+    }
+    rest[0][0] += 0.3 * c->width / (TROUPE_M - 1);
+    memset(cell, DRAPE_CELL_REGULAR, sizeof cell);
+    cell[0] = DRAPE_CELL_RISING;
+    cell[TROUPE_M - 2] = DRAPE_CELL_ABSENT;
+    cell[CELLS - 1] = DRAPE_CELL_WITHOUT + 2;
+    c->panel = &panel;
+}
+
+/* Sews three particles of sheet 1 at a corner to sheet 0 below. */
+static void make_seam(struct troupe *t)
+{
+    static const int32_t particle[3] = {0, 1, 2};
+    static const int32_t onto[3][2] = {{0, 1}, {1, 2}, {2, 3}};
+    static const double part[3] = {0.1, 0.2, 0};
+    t->seam = (drape_seam){{1, 0}, 3, particle, onto, part, 0};
+    t->def.n_seams = 1;
+}
+
 void troupe_make(struct troupe *t, int integrator, int backend)
 {
     static const drape_pin pins[2] = {{0, 0, -1}, {6, 5, -1}};
@@ -77,6 +107,10 @@ void troupe_make(struct troupe *t, int integrator, int backend)
         .velocity = {0.2, 0, 0}, .density = 1.2, .drag = 1, .lift = 0.5};
     t->def.n_cloths = t->def.n_obstacles = 2;
     t->def.n_motions = 1;
+    if (integrator == DRAPE_BDF2 || integrator == DRAPE_CK)
+        make_panel(&t->cloth[1]);
+    if (integrator == DRAPE_BDF2)
+        make_seam(t);
 }
 
 void troupe_move(struct troupe *t, int k, bool by_frames)
@@ -99,6 +133,7 @@ void troupe_drop(struct troupe *t, int body)
     else {
         t->cloth[body] = t->cloth[1];
         t->def.n_cloths--;
+        t->def.n_seams = 0;
     }
 }
 
@@ -109,5 +144,6 @@ drape_world *troupe_world(const struct troupe *t)
     def.cloths = t->cloth;
     def.obstacles = t->obstacle;
     def.motions = &t->motion;
+    def.seams = &t->seam;
     return drape_create(&def, &world, NULL) == DRAPE_OK ? world : NULL;
 }

@@ -85,8 +85,6 @@ panel 'cloth["start"] = {"shape": "hung"}'
 refused 'a hung panel' 'start: a panel starts flat' run panel.json
 panel 'scene["integrator"] = "verlet"'
 refused 'a panel with Verlet' 'a panel needs an implicit integrator' run panel.json
-panel 'scene["wind"] = {"velocity": [1, 0, 0]}'
-refused 'a panel in wind' 'a panel does not feel wind yet' run panel.json
 
 # change PYTHON: prints the T-shirt after this change.
 change() {

@@ -288,6 +288,45 @@ static void make_sewn(struct show *s)
     s->def.n_seams = 1;
 }
 
+static void change_panel(struct show *s, drape_world *world, int step)
+{
+    drape_material m = s->cloth[1].material;
+    m.bend *= 4;
+    m.density *= 2;
+    if (step == 2)
+        drape_set_material(world, 1, &m);
+    if (step == 5)
+        drape_seam_target(world, 0, NULL);
+    change_wind(s, world, step);
+}
+
+/* The same, and the sheet that has the points is a panel, rounded and eased at
+ * its far end. Its material changes, and wind begins. */
+static void make_tailored(struct show *s)
+{
+    enum { M = 13, N = 11 };
+    make_sewn(s);
+    double(*rest)[2] = show_keep(s, sizeof(double[M * N][2]));
+    uint8_t *cell = show_keep(s, (M - 1) * (N - 1));
+    drape_ease *ease = show_keep(s, sizeof *ease);
+    drape_panel *panel = show_keep(s, sizeof *panel);
+    for (int p = 0; p < M * N; p++) {
+        double off = (p % M - M / 2) / 8.0, last = p / M == N - 1;
+        rest[p][0] = 0.02 * (p % M);
+        rest[p][1] = 0.02 * (p / M - last * off * off / 2);
+    }
+    for (int k = 0; k < (M - 1) * (N - 1); k++)
+        cell[k] = k < (M - 1) * (N - 2) ? DRAPE_CELL_REGULAR
+                                        : DRAPE_CELL_RISING + k % 2;
+    cell[(M - 1) * (N - 2)] = DRAPE_CELL_WITHOUT + 3;
+    cell[(M - 1) * (N - 1) - 1] = DRAPE_CELL_WITHOUT + 2;
+    *ease = (drape_ease){{4 + M * (N - 1), 5 + M * (N - 1)}, 0.9};
+    *panel = (drape_panel){(const double(*)[2])rest, cell, ease, 1};
+    s->cloth[1].panel = panel;
+    s->def.integrator = DRAPE_BW;
+    s->between = change_panel;
+}
+
 /* A cloth so fast that each step diverges. */
 static void make_diverged(struct show *s)
 {
@@ -305,6 +344,6 @@ const struct scene_row scene_rows[] = {
     {"rest", make_rest},         {"large", make_large},
     {"larger", make_larger},     {"free", make_free},
     {"pierced", make_pierced},   {"diverged", make_diverged},
-    {"sewn", make_sewn},
+    {"sewn", make_sewn},         {"tailored", make_tailored},
 };
 const int n_scene_rows = sizeof scene_rows / sizeof scene_rows[0];

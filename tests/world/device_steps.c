@@ -10,7 +10,7 @@
 #include "tests/api/guest.h"
 
 /* CROWD: sheets of a variant, more than the device merges into one launch. */
-enum { STEPS = 18, HALF = STEPS / 2, VERTICES = 256, CROWD = 11 };
+enum { STEPS = 12, HALF = STEPS / 2, VERTICES = 256, CROWD = 11 };
 
 /* How a scene differs from the basic scene of tests/api/guest.h. */
 struct variant {

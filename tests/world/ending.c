@@ -5,7 +5,7 @@
 #include "tests/world/scene.h"
 #include "tests/world/slab.h"
 
-enum { SIDE = 9, STEPS = 14 };
+enum { SIDE = 9, STEPS = 10 };
 
 /* A sheet over the slab. Two of its edges are prescribed down past the slab and
  * up again; the middle of the sheet, which the slab holds, cannot follow. */

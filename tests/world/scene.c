@@ -98,13 +98,6 @@ static void pick_obstacles(struct bytes *b, struct scene *s)
     s->obstacle[1].motion = pick(b, 2) ? 0 : -1;
 }
 
-/* Makes cloth k a panel. There is no wind then. */
-static void make_panel(struct bytes *b, struct scene *s, int k)
-{
-    random_panel(b, &s->cloth[k], &s->panel[k]);
-    s->def.wind.density = 0;
-}
-
 static void pick_scene(struct bytes *b, struct scene *s)
 {
     memset(s, 0, sizeof *s);
@@ -139,7 +132,7 @@ static void pick_scene(struct bytes *b, struct scene *s)
     s->def.gravity[1] = pick(b, 4) ? -9.81 : -200;
     for (int k = 0; k < s->def.n_cloths && s->def.integrator >= DRAPE_BW; k++)
         if (pick(b, 3) == 2)
-            make_panel(b, s, k);
+            random_panel(b, &s->cloth[k], &s->panel[k]);
 }
 
 int64_t scene_audit(const drape_world *world, int n_cloths)
@@ -284,7 +277,8 @@ const char *scene_panels(struct bytes *b, int64_t *steps)
     pick_scene(b, &s);
     s.def.integrator = DRAPE_BW + (int)pick(b, 3);
     s.def.max_slices = 1 + (int)pick(b, 2);
-    make_panel(b, &s, (int)pick(b, (uint32_t)s.def.n_cloths));
+    int k = (int)pick(b, (uint32_t)s.def.n_cloths);
+    random_panel(b, &s.cloth[k], &s.panel[k]);
     struct twin twin;
     const char *failed = twin_run(&s.def, 3, &twin);
     *steps = twin.steps;

@@ -285,8 +285,8 @@ static void make_burst(struct slab *d, drape_cloth cloth[2], bool apart)
     d->motion.position = apart ? down : up;
     d->def.allow_intersecting = !apart;
     drape_default_cloth(&d->cloth);
-    d->cloth.m = d->cloth.n = 5;
-    d->cloth.width = d->cloth.height = 0.004;
+    d->cloth.m = d->cloth.n = 4;
+    d->cloth.width = d->cloth.height = 0.003;
     d->cloth.origin[0] = -0.05;
     d->cloth.material.friction = 1;
     d->cloth.material.density = REAL_BITS == 32 ? 1e-42 : 1e-319;

@@ -126,6 +126,19 @@ def test_a_baked_cloth_falls_upright_and_apart(addon: Any) -> None:
         assert drape.audit(both, tri, group.astype(np.int32)).count == 0
 
 
+def test_gravity_is_the_scenes(addon: Any) -> None:
+    cloth, scene = sheet(), bpy.context.scene
+    start = shown(cloth, 5)
+    scene.gravity = (1.5, 0, -3)
+    bpy.ops.drape.bake()
+    way = (shown(cloth, 5 + FRAMES) - start).mean(0)
+    due = np.array(scene.gravity) * 0.4**2 / 2  # a step more or less: 24 are 0.4 s
+    assert np.abs(way - due).max() < 0.05 * np.linalg.norm(due)
+    scene.use_gravity = False
+    bpy.ops.drape.bake()
+    assert np.abs(shown(cloth, 5 + FRAMES) - start).max() < 1e-5
+
+
 def test_frames_are_those_of_the_world(addon: Any, tmp_path: Path) -> None:
     cloth = sheet()
     ball()

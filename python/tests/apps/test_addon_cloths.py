@@ -91,7 +91,22 @@ def pairs(things: list[Any], frame: int) -> int:
     return int(made.count)
 
 
-def test_a_shirt_with_uvs_is_a_garment(addon: Any, tmp_path: Path, capfd: Any) -> None:
+def watched(monkeypatch: Any) -> list[float]:
+    """The largest gap of the seams before each step of the next bake, m."""
+    gaps: list[float] = []
+
+    class World(drape.World):
+        def step(self, *arguments: Any) -> Any:
+            gaps.append(max(np.abs(self.seam(k)[0]).max() for k in range(self.seams)))
+            return super().step(*arguments)
+
+    monkeypatch.setattr(drape, "World", World)
+    return gaps
+
+
+def test_a_shirt_with_uvs_is_a_garment(
+    addon: Any, tmp_path: Path, capfd: Any, monkeypatch: Any
+) -> None:
     file = charted_tee.tee(tmp_path / "flat").write(tmp_path / "tee.obj", unit=1)
     shirt = bring(file, "shirt", 0.04)
     shirt.drape.strain = 0.2  # by folds that the coarse cloth has
@@ -105,7 +120,9 @@ def test_a_shirt_with_uvs_is_a_garment(addon: Any, tmp_path: Path, capfd: Any) -
     shirt.data.materials.clear()
     shirt.data.materials.append(stuff)
     start = shown(shirt, 5)
+    gaps = watched(monkeypatch)
     assert warned(capfd) == "Info: drape: 13 frames, 24 steps, 0 not clean\n"
+    assert gaps[0] > 2e-3 and max(gaps[4:]) < 2e-4  # seams close
     assert np.abs(shown(shirt, 5) - start).max() < 0.01
     graph = bpy.context.evaluated_depsgraph_get()
     made = shirt.evaluated_get(graph).data
@@ -182,18 +199,30 @@ def test_a_flag_in_wind(addon: Any) -> None:
     bpy.ops.drape.bake()
     still = shown(flag, END)
     bpy.ops.object.effector_add(type="WIND", rotation=(-np.pi / 2, 0, 0))  # along y
-    bpy.context.object.field.strength = 12
+    wind = bpy.context.object
+    wind.field.strength = 12
     bpy.ops.drape.bake()
     blown = shown(flag, END)
     assert abs((still - start)[:, 1].mean()) < 0.01
     assert (blown - start)[:, 1].mean() > 0.05
+    for frame, strength in ((5, 0), (9, 12)):  # a wind that rises
+        wind.field.strength = strength
+        wind.keyframe_insert("field.strength", frame=frame)
+    bpy.ops.drape.bake()
+    risen = shown(flag, END)
+    assert (risen - start)[:, 1].mean() > 0.05
 
 
-def test_garments_and_wind_are_refused_together(addon: Any, tmp_path: Path) -> None:
-    skirt(tmp_path)
-    bpy.ops.object.effector_add(type="WIND")
-    bpy.context.object.name = "breeze"
-    refused("skirt: a garment of UV charts feels no wind yet, so there can be none")
+def test_a_skirt_in_wind(addon: Any, tmp_path: Path) -> None:
+    thing, top = skirt(tmp_path)
+    start = shown(thing, 5)
+    bpy.ops.object.effector_add(type="WIND", rotation=(-np.pi / 2, 0, 0))  # along y
+    bpy.context.object.field.strength = 12
+    bpy.ops.drape.bake()
+    blown = shown(thing, END)
+    assert np.abs(blown[top] - start[top]).max() < 0.002  # pinned to the waist
+    low = start[:, 2] < start[:, 2].min() + 0.02
+    assert (blown - start)[low, 1].mean() > 0.02
 
 
 def holed(name: str = "holed") -> Any:

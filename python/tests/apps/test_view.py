@@ -66,7 +66,8 @@ class View:
         window.set_default_timeout(1000 * SECONDS)
         self.errors: list[str] = []
         window.on("pageerror", lambda e: self.errors.append(str(e)))
-        window.goto(f"http://127.0.0.1:{page.port}")
+        # viser draws with fewer pixels where it is slow, which is another picture
+        window.goto(f"http://127.0.0.1:{page.port}/?fixedDpr=1")
         window.get_by_text("frame", exact=False).first.wait_for()
         note = window.get_by_text("Software WebGL rendering detected")
         if note.count():  # it covers a part of the picture
@@ -147,10 +148,7 @@ def dark(p: np.ndarray) -> int:
 
 
 def differ(a: np.ndarray, b: np.ndarray) -> int:
-    """Number of blocks of 8 × 8 pixels whose means differ.
-
-    The page draws with fewer pixels where it is slow, which moves its edges.
-    """
+    """Number of blocks of 8 × 8 pixels whose means differ."""
     blocks = (a - b)[: len(a) // 8 * 8, : a.shape[1] // 8 * 8]
     means = blocks.reshape(len(a) // 8, 8, -1, 8, 3).mean((1, 3))
     return int((np.abs(means).max(-1) > 16).sum())
@@ -332,7 +330,8 @@ def test_a_live_world_is_touched(browser: Any) -> None:
         wait_until(lambda: (world.read()[0][group.particles] - before)[0, 0] < -0.05)
         window.mouse.up()
         wait_until(lambda: GRIP not in world.pins)
-        assert world.report is not None and not world.report.outcome
+        # a hand that moves far within a step, as on a busy machine, may need more
+        wait_until(lambda: world.report is not None and not world.report.outcome)
 
         page.touch.gravity.value = (0.0, 9.81, 0.0)
         wait_until(lambda: world.read()[0][:, 1].max() > 0.2)
@@ -434,7 +433,6 @@ def test_contacts_and_impulses(still: Path, browser: Any) -> None:
         contacts.check()
         view.until(lambda p: differ(p, bare) > 20, "contacts")
         contacts.uncheck()
-        # a block or two of edges differ where it draws with fewer pixels by now
         view.until(lambda p: differ(p, bare) < 5, "contacts off")
 
 
