@@ -238,7 +238,7 @@ def main(build, *options):
     used = {name: rest for name, *rest in USES}
     twins = [t for g in table.read(prove.TWINS) for t in g.twins
              if t.name in FILTERS or t.name in used]
-    results.tell(prove.compile_all(build, twins, [BITS]) and
+    results.tell(prove.compile_all(build, twins, [BITS], 2) and
                  len(twins) == len(FILTERS) + len(used), "the filters' twins compile")
     for twin in twins:
         TABLE.start()
