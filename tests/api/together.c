@@ -5,7 +5,7 @@
 #include "tests/panel/random.h"
 #include "tests/world/scene.h"
 
-enum { WORLDS = 9, PANEL = 7, STEPS = 4, CALLS = 2, EACH = STEPS / CALLS };
+enum { WORLDS = 9, PANEL = 7, STEPS = 6, CALLS = 2, EACH = STEPS / CALLS };
 
 /* Makes a world for each k: a sheet of one of two sizes that falls on a plate,
  * elsewhere for each k; one of an explicit integrator, one with block-Jacobi,
