@@ -419,6 +419,7 @@ const char *test_control_forged(void)
         {.kind = RECORD_POSE, .bytes = 24},
         {.kind = RECORD_STEP, .bytes = 8},
         {.kind = RECORD_CLOTH, .n = 8, .bytes = 8},
+        {.kind = RECORD_PANEL, .n = 8, .bytes = 8},
         {.kind = RECORD_KINDS, .bytes = 0},
         {.kind = UINT32_MAX, .bytes = 0},
     };
@@ -464,6 +465,32 @@ const char *test_control_bodies(void)
     EXPECT(record_obstacle_of(data, sizeof mesh - 8, &plate) == DRAPE_EMATCH);
     EXPECT(record_obstacle_of(data, 8, &plate) == DRAPE_EMATCH);
     EXPECT(record_cloth_of(data, sizeof mesh, &cloth) == DRAPE_EMATCH);
+    struct record_panel {
+        drape_cloth c;
+        drape_panel panel;
+        uint64_t there[8];
+        double rest[4][2];
+        uint8_t cell[8]; /* 1, filled up to a word */
+        drape_ease ease;
+    } sheet = {.panel.n_eases = 1, .there = {0, 0, 0, 0, 0, 1, 1, 1}};
+    drape_default_cloth(&sheet.c);
+    sheet.c.m = sheet.c.n = 2;
+    sheet.ease.ratio = 0.75;
+    const int32_t eases[] = {1, -1, 2, INT32_MAX};
+    for (int k = 0; k < 4; k++) {
+        drape_panel panel;
+        sheet.panel.n_eases = eases[k];
+        memcpy(data, &sheet, sizeof sheet);
+        EXPECT(record_panel_of(data, sizeof sheet, &cloth, &panel) ==
+               (k ? DRAPE_EMATCH : DRAPE_OK));
+        EXPECT(k || (cloth.panel == &panel && panel.eases->ratio == 0.75));
+        EXPECT(record_panel_of(data, sizeof sheet - 8, &cloth, &panel) ==
+               DRAPE_EMATCH);
+        EXPECT(record_panel_of(data, 8, &cloth, &panel) == DRAPE_EMATCH);
+        /* a size by which -1 eases wrap around */
+        EXPECT(record_panel_of(data, sizeof sheet - 2 * sizeof sheet.ease,
+                               &cloth, &panel) == DRAPE_EMATCH);
+    }
     mesh.there[1] = 2;
     memcpy(data, &mesh, sizeof mesh);
     EXPECT(record_obstacle_of(data, sizeof mesh, &plate) == DRAPE_EMATCH);

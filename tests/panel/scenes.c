@@ -304,6 +304,40 @@ const char *test_panel_hangs(void)
     return NULL;
 }
 
+/* A disc that falls flat in air ends at the speed √(2 σ g / (ρ C)). */
+static const char *check_fall(double h, double dt)
+{
+    struct cutting c;
+    struct stage_set s;
+    drape_world *world;
+    static double v[1 << 10][3];
+    EXPECT(cutting_disc(&c, 0.1, h));
+    lay_flat(&c, 0);
+    set_stage(&s, &c.cloth);
+    s.def.dt = dt;
+    s.def.wind = (drape_wind){{0, 0, 0}, 1.2, 1.1, 0.5};
+    int64_t n = (int64_t)c.cut.m * c.cut.n;
+    double sum = 0, all = 0;
+    EXPECT(n <= 1 << 10);
+    EXPECT(drape_create(&s.def, &world, NULL) == DRAPE_OK);
+    for (int k = 0; k * dt < 1; k++)
+        EXPECT(drape_step(world, NULL) == DRAPE_OK);
+    EXPECT(drape_read(world, NULL, v) == DRAPE_OK);
+    drape_destroy(world);
+    struct model model;
+    EXPECT(model_make(&model, &c) == DRAPE_OK);
+    for (int64_t p = 0; p < n; p++) {
+        sum -= (double)model.c.mass[p] * v[p][1];
+        all += (double)model.c.mass[p];
+    }
+    double want = sqrt(2 * c.cloth.material.density * 9.81 / (1.2 * 1.1));
+    EXPECT(fabs(sum / all / want - 1) < 0.01);
+    model_free(&model);
+    cutting_free(&c);
+    ran(1);
+    return NULL;
+}
+
 /* wind.md §4: a breeze on a disc at rest gives it the momentum ρ/2 C A u² dt, A
  * the area of all its cells, odd ones too, and its middle no torque. */
 const char *test_panel_wind(void)
@@ -312,6 +346,11 @@ const char *test_panel_wind(void)
     struct stage_set s;
     drape_world *world;
     drape_step_report r;
+    for (int k = 0; k < 4; k++) {
+        const char *what =
+            check_fall(k % 2 ? 0.01 : 0.02, k / 2 ? 1.0 / 60 : 1.0 / 240);
+        EXPECT(!what);
+    }
     EXPECT(cutting_disc(&c, 0.1, 0.02));
     lay_flat(&c, 0);
     set_stage(&s, &c.cloth);
