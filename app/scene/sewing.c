@@ -48,9 +48,10 @@ static const double rest_way = 1e-3, rest_time = 1;
  * by friction closes as slowly in the next ones. */
 static const double progress = 0.05, patience = 0.5;
 enum { RAMP = 30 }; /* frames in which gravity comes */
-/* A seam whose turn has not come is held at the gap with which it began once
- * that is larger by this part of a cell, so that little moves where all is as
- * it began. */
+/* A seam whose turn has not come is held once its gaps are in the mean longer
+ * by this many cells than they began: the error in place that this leaves is
+ * one cell, and a garment in which none is longer takes no seam before its
+ * turn. */
 static const double slack = 1;
 
 static int failed(const char *what, int status)
@@ -58,23 +59,29 @@ static int failed(const char *what, int status)
     return complain(APP_FAILED, "sew: %s: %s", what, drape_status_text(status));
 }
 
-/* The mean gap of a seam, m, of the particles in s->x. */
-static double mean_gap(const struct sewing *s, int k)
+/* Finds the gaps of a seam that is not in the world, by the particles in s->x.
+ */
+static void find_gaps(const struct sewing *s, int k)
 {
     const drape_seam *seam = &s->whole.seams[k];
     const double(*a)[3] =
         (const double(*)[3])s->x + drape_first_vertex(s->world, seam->cloth[0]);
     const double(*b)[3] =
         (const double(*)[3])s->x + drape_first_vertex(s->world, seam->cloth[1]);
-    double sum = 0;
     for (int64_t p = 0; p < seam->n; p++) {
         const double *x = a[seam->particle[p]], *y = b[seam->onto[p][0]];
         const double *z = b[seam->onto[p][1]];
-        double gap[3];
         for (int i = 0; i < 3; i++)
-            gap[i] = x[i] - y[i] - seam->part[p] * (z[i] - y[i]);
-        sum += vec3_length(gap);
+            s->seam[k].gap[p][i] = x[i] - y[i] - seam->part[p] * (z[i] - y[i]);
     }
+}
+
+/* The mean length of a seam's gaps, m. */
+static double mean_gap(const struct sewing_seam *seam)
+{
+    double sum = 0;
+    for (int64_t p = 0; p < seam->n; p++)
+        sum += vec3_length(seam->gap[p]);
     return sum / (double)seam->n;
 }
 
@@ -101,7 +108,8 @@ static int make_seams(struct sewing *s)
                       : about->across ? SEWING_ACROSS
                       : about->around ? SEWING_AROUND
                                       : SEWING_SEAMS;
-        seam->start = mean_gap(s, k);
+        find_gaps(s, k);
+        seam->start = mean_gap(seam);
     }
     return APP_OK;
 }
@@ -234,8 +242,9 @@ static void trace(void *user, int64_t step, const char *stage, uint64_t digest,
                    digest, seconds);
 }
 
-/* The air in which a garment is sewn: a plate of the heaviest cloth that it
- * meets at the speed v loses ½ ρ v² of its momentum, by area. */
+/* The air in which a garment is sewn. A plate of m kg/m² that it meets at the
+ * speed v is slowed by ½ ρ v² = m v dv/dx, so v falls to 1/e on 2 m/ρ. m: of
+ * the heaviest cloth. */
 static drape_wind thick_air(const struct sewing *s)
 {
     double most = 0;
@@ -424,9 +433,7 @@ static double find_part(const struct sewing *s)
 /* The part by which a seam that is held so far is longer than it began. */
 static double find_excess(const struct sewing_seam *seam)
 {
-    double mean = 0;
-    for (int64_t p = 0; p < seam->n; p++)
-        mean += vec3_length(seam->gap[p]) / (double)seam->n;
+    double mean = mean_gap(seam);
     return mean > seam->start ? 1 - seam->start / mean : 0;
 }
 
@@ -464,7 +471,7 @@ static int move_targets(struct sewing *s)
 }
 
 /* Lets gravity and wind come evenly. */
-static int raise_gravity(struct sewing *s)
+static int raise_loads(struct sewing *s)
 {
     double ramp = (double)RAMP * s->scene->steps_per_frame, g[3];
     drape_wind wind = s->whole.wind;
@@ -488,16 +495,19 @@ static int raise_gravity(struct sewing *s)
  * down from the hips, does not go far from what it will be sewn to. */
 static int hold_seams(struct sewing *s)
 {
-    bool more = false;
-    int status = drape_read(s->world, s->x, NULL);
-    if (status != DRAPE_OK)
-        return failed("the state", status);
+    bool read = false, more = false;
     for (int k = 0; k < s->whole.n_seams; k++) {
         struct sewing_seam *seam = &s->seam[k];
-        if (seam->index >= 0 ||
-            mean_gap(s, k) < seam->start + slack * s->scene->seam[k].cell)
+        if (seam->index >= 0)
             continue;
-        seam->held = more = true;
+        int status = read ? DRAPE_OK : drape_read(s->world, s->x, NULL);
+        if (status != DRAPE_OK)
+            return failed("the state", status);
+        read = true;
+        find_gaps(s, k);
+        double most = seam->start + slack * s->scene->seam[k].cell;
+        if (mean_gap(seam) >= most)
+            seam->held = more = true;
     }
     return more ? make_world(s, s->stage) : APP_OK;
 }
@@ -572,7 +582,7 @@ int sewing_step(struct sewing *sewing, drape_step_report *report)
     if (status == APP_OK)
         status = holds_move(sewing);
     if (status == APP_OK && sewing->stage == SEWING_WORN)
-        status = raise_gravity(sewing);
+        status = raise_loads(sewing);
     if (status != APP_OK)
         return status;
     int known = drape_step(sewing->world, report);

@@ -24,7 +24,7 @@ extern const char *const sewing_stages[SEWING_STAGES];
 struct sewing_seam {
     enum sewing_stage stage; /* in which its turn comes */
     int64_t n;
-    int index;           /* in the world; -1: its turn has not come */
+    int index;           /* in the world; -1: it is not in it yet */
     double start;        /* m, the mean of its gaps at the start */
     bool held;           /* so far, until its turn comes */
     bool told;           /* the world has these targets */

@@ -27,8 +27,8 @@ int sewn_add(struct sewn *sewn, struct sewing *sewing, int frame)
                              .seam = -1};
     for (int k = 0; k < sewing->whole.n_seams; k++) {
         const struct sewing_seam *seam = &sewing->seam[k];
-        if (seam->index < 0)
-            continue;
+        if (seam->stage > sewing->stage)
+            continue; /* at most held until its turn comes */
         double gap = seam->most / sewing->scene->seam[k].cell;
         if (row.seam < 0 || gap > row.gap) {
             row.gap = gap;

@@ -147,6 +147,18 @@ import struct
 data = open("shirt/frames/cloth_0070.ply", "rb").read().split(b"end_header\n", 1)[1]
 x = [x for x, y, z in struct.iter_unpack("<3f", data[:12 * 352])]
 assert max(x) - min(x) > 0.05, max(x) - min(x)'
+sed 's/"frames": 70/&, "wind": {"velocity": [0, 0, 3]}/' wings.json >blown.json
+exits 'wings are sewn in a scene with wind' 0 sew blown.json --no-picture --out shirt --force
+is 'which comes once they are worn' python3 -c '
+import json
+import struct
+def mean(k):
+    name = "shirt/frames/cloth_%04d.ply" % k
+    data = open(name, "rb").read().split(b"end_header\n", 1)[1]
+    z = [z for x, y, z in struct.iter_unpack("<3f", data[:12 * 352])]
+    return sum(z) / len(z)
+worn = json.load(open("shirt/sew.json"))["stages"]["worn"]
+assert abs(mean(worn)) < 1e-3 and mean(70) > 0.1, (mean(worn), mean(70))'
 # bands FRICTION STITCHES: two bands that are closed around a ball, on which they
 # slip up and down if nothing holds them; `height` then has the least distance of
 # each from the ball's equator when that is done, in m.
