@@ -65,7 +65,7 @@ static void add_odd_loads(const struct wind *s, int64_t k)
         int32_t at = s->push[k][q];
         if (at < 0)
             continue;
-        const vec *load = s->load[(uint32_t)at >> 2]; /* its cell's */
+        const vec *load = s->load[(uint32_t)at >> 2]; /* of its cell, at / 4 */
         f = vec_add(f, load[0]);
         rate += load[1].x;
     }

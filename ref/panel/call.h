@@ -14,7 +14,8 @@
 #include "ref/panel/pull.h"
 #include "ref/panel/tension.h"
 
-/* Gives stage wind a panel's odd cells. */
+/* Gives stage wind a panel's odd cells, whose loads lie in the scratch of stage
+ * pull. */
 void panel_give_wind(const struct panel *panel, struct wind *s);
 /* NOLINTBEGIN(readability-inconsistent-declaration-parameter-name) */
 struct pull panel_pull_of(const struct panel *panel, const struct springs *f);

@@ -487,9 +487,6 @@ const char *test_control_bodies(void)
         EXPECT(record_panel_of(data, sizeof sheet - 8, &cloth, &panel) ==
                DRAPE_EMATCH);
         EXPECT(record_panel_of(data, 8, &cloth, &panel) == DRAPE_EMATCH);
-        /* a size by which -1 eases wrap around */
-        EXPECT(record_panel_of(data, sizeof sheet - 2 * sizeof sheet.ease,
-                               &cloth, &panel) == DRAPE_EMATCH);
     }
     mesh.there[1] = 2;
     memcpy(data, &mesh, sizeof mesh);
