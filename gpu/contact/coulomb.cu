@@ -167,13 +167,14 @@ struct items {
     uint8_t *what; /* [n4] IS_SINGLE and IS_SEAM */
 };
 
-/* §3.2: the part of contact c in the bound of its vertex j; 0 if it is apart.
- */
+/* §3.2: the part of contact c in the bound of its vertex j; 0 if it is apart,
+ * or a seam's that multigrid knows. */
 static __device__ void find_bound(const struct coulomb *s,
-                                  const struct contact *c, int j,
+                                  const struct contact *c, int j, bool knit,
                                   real bound[BOUND_NUMBERS])
 {
-    bool held = c->coupling != CONTACT_APART;
+    bool held = c->coupling != CONTACT_APART &&
+                !(knit && c->coupling == CONTACT_MUTUAL);
     real part = held ? part_of(s, c, j) : R(0.0);
     real across = part * c->stiffness_t, d = part * c->stiffness_n - across;
     vec n = c->n, z = c->way;
@@ -200,12 +201,13 @@ KERNEL coulomb_item_kernel(const struct coulomb &s, struct items to,
     vec push = scale(c->c[j], axpy(c->tangent, c->impulse, c->n));
     vec next = scale(c->c[j], s.next[at]);
     real all[PARTS] = {push.x, push.y, push.z, next.x, next.y, next.z};
-    find_bound(&s, c, j, all + 2 * PUSHES);
+    bool seam = at >= s.n - s.seams;
+    find_bound(&s, c, j, seam && s.knits, all + 2 * PUSHES);
     UNROLL
     for (int o = 0; o < PARTS; o++)
         to.part[o * s.n4 + k] = all[o];
     to.what[k] = (uint8_t)((c->coupling == CONTACT_SINGLE ? IS_SINGLE : 0) |
-                           (at >= s.n - s.seams ? IS_SEAM : 0));
+                           (seam ? IS_SEAM : 0));
 }
 
 /* A number of the items of all lists that is part of a force. */

@@ -13,12 +13,14 @@ extern "C" {
 #endif
 
 struct rate;
+struct sewn;
 
 /* One cloth in the joint solve. */
 struct joint_part {
     struct pcg pcg;          /* its own system; block and packed are set */
     const struct rate *rate; /* of its springs; NULL: read blocks */
     int64_t first;           /* its first particle */
+    int cloth;               /* its number in the world */
 };
 
 /* A contact of a vertex, and the vertex's weight in it. */
@@ -46,6 +48,7 @@ struct joint_system {
     int32_t *mutual_end;   /* device [nc], of *links */
     struct mutual *mutual; /* device [4 n], of *links */
     const real *w;         /* [nv] 1/kg, 0: fixed */
+    struct sewn *sewn;     /* NULL: no seams, or no multigrid */
 };
 
 /* ref/solve/joint.h on the device, for the joint of *s. DRAPE_OK however the

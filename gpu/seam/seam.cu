@@ -29,6 +29,28 @@ void gpu_seam_gap(struct gpu *g, int64_t n, const struct seam_point *point,
     LAUNCH(g, n, seam_gap_kernel, n, point, x, gap);
 }
 
+/* sewn.md §2: b (I - z zᵀ). */
+static __device__ sym matrix_of(real b, vec z)
+{
+    return sym{b - b * z.x * z.x, -(b * z.x * z.y), -(b * z.x * z.z),
+               b - b * z.y * z.y, -(b * z.y * z.z), b - b * z.z * z.z};
+}
+
+/* Thread k owns kappa[k]. */
+KERNEL seam_matrix_kernel(int64_t n, const struct contact *seams, sym *kappa)
+{
+    ITEM(k, n);
+    bool holds = seams && seams[k].coupling == CONTACT_MUTUAL;
+    kappa[k] = holds ? matrix_of(seams[k].stiffness_t, seams[k].way)
+                     : matrix_of(0, make(0, 0, 0));
+}
+
+void gpu_seam_matrix(struct gpu *g, int64_t n, const struct contact *seams,
+                     sym *kappa)
+{
+    LAUNCH(g, n, seam_matrix_kernel, n, seams, kappa);
+}
+
 /* How much velocity a contact gains by an impulse along it, 1/kg. */
 static __device__ real mobility_of(const struct seam *s,
                                    const struct contact *c)

@@ -16,62 +16,6 @@ enum {
     OWN = (ENTRIES + INVERT_BLOCK - 1) / INVERT_BLOCK
 };
 
-static __device__ double component(sym b, int r, int c)
-{
-    int lo = r < c ? r : c, hi = r < c ? c : r;
-    real a = lo == 2   ? b.zz
-             : lo == 1 ? (hi == 1 ? b.yy : b.yz)
-             : hi == 0 ? b.xx
-             : hi == 1 ? b.xy
-                       : b.xz;
-    return (double)a;
-}
-
-/* Returns the index of the block that couples particles p < q, or -1 if none
- * does. The blocks of all directions are followed by the excess of all
- * particles. */
-static __device__ int edge_of(const struct coarsest *s, struct place p,
-                              struct place q)
-{
-    int di = q.i - p.i, dj = q.j - p.j, o = -1;
-    if (dj == 0)
-        o = di == 1 || di == 2 ? di - 1 : -1;
-    else if (di >= -2 && di <= 2 && dj <= 2)
-        o = di + (dj == 1 ? 4 : 9);
-    return o < 0 ? -1 : o * (int)s->count + p.p;
-}
-
-/* Returns entry (r, c), c <= r, of the dense matrix. A diagonal entry adds its
- * blocks by ascending first particle. */
-static __device__ double entry(const struct coarsest *s, const sym *block,
-                               int r, int c)
-{
-    struct grid g = {s->m, s->n};
-    struct place q = place_of(g, r / 3), p = {0, 0, 0};
-    double sum = 0;
-    r = r % 3;
-    if (q.p != c / 3) {
-        int edge = edge_of(s, place_of(g, c / 3), q);
-        return edge < 0 ? sum : sum + -component(block[edge], r, c % 3);
-    }
-    c = c % 3;
-    for (; p.p < q.p; p.p++) {
-        int edge = edge_of(s, p, q);
-        double b = component(block[edge < 0 ? 0 : edge], r, c);
-        sum = edge < 0 ? sum : sum + b;
-        p.i = p.i + 1 < g.m ? p.i + 1 : 0;
-        p.j += p.i == 0;
-    }
-    sum += component(block[STENCIL * (int)s->count + q.p], r, c);
-    for (int o = 0; o < STENCIL; o++) {
-        double b = component(block[o * (int)s->count + q.p], r, c);
-        bool good =
-            within(g, q.i + toward_i<STENCIL>(o), q.j + toward_j<STENCIL>(o));
-        sum = good ? sum + b : sum;
-    }
-    return sum;
-}
-
 /* Row i and column j <= i of entry e of the lower triangle, row by row. */
 static __device__ void place_entry(int e, int *i, int *j)
 {
@@ -150,7 +94,7 @@ KERNEL coarsest_invert_kernel(const struct coarsest &s)
             row[o] = col[o] = DENSE;
             continue;
         }
-        a[o] = entry(&s, block, row[o], col[o]);
+        a[o] = coarsest_entry(&s, block, block + blocks, row[o], col[o]);
         if (row[o] == col[o])
             diagonal[row[o]] = a[o];
         keep(&columns[0], a[o], row[o], col[o], 0);

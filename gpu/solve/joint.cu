@@ -10,6 +10,7 @@
 
 extern "C" {
 #include "gpu/contact/joint.h"
+#include "gpu/solve/sewn.h"
 #include "ref/solve/product.h"
 }
 
@@ -288,6 +289,31 @@ template <class F> static int each_cloth(const struct joint_system *w, F launch)
     return status;
 }
 
+/* The finest grid of a cloth in a cycle with seams. */
+static struct level finest(struct pcg *p)
+{
+    struct level l[LEVELS];
+    gpu_multigrid_lay_out(&p->grid, lent_by(p), NULL, l);
+    return l[0];
+}
+
+/* Between the opening of a cycle with seams and its end: sewn.md §3. */
+static void cycle_sewn(const struct joint_system *w, const struct solve *a)
+{
+    struct gpu *g = w->gpu;
+    const int32_t *go = &a->c->go;
+    gpu_sewn_cycle(g, w->sewn, go);
+    each_cloth(w, [&](int k) {
+        struct pcg p = part_of(w, &w->part[k]);
+        struct level l = finest(&p);
+        l.go = go;
+        gpu_multigrid_smooth(g, &l, gpu_multigrid_damping(&p.grid, 0),
+                             a->item + w->part[k].first);
+        return (int)DRAPE_OK;
+    });
+    gpu_sewn_finish(g, w->sewn, go);
+}
+
 /* s = M⁻¹ r and item = r·s of all cloths. */
 static void cycle(const struct joint_system *w, const struct solve *a)
 {
@@ -300,10 +326,17 @@ static void cycle(const struct joint_system *w, const struct solve *a)
             MERGE(g, p.count,
                   (b, p.count, (const vec *)p.r, (const int32_t *)&a->c->go),
                   joint_begin_kernel);
-        if (!b.jacobi)
+        if (w->sewn) {
+            struct level l = finest(&p);
+            l.go = &a->c->go;
+            gpu_multigrid_descend(g, &l);
+        } else if (!b.jacobi) {
             gpu_multigrid_cycle(g, &p.grid, lent_by(&p), &a->c->go, b.item);
+        }
         return (int)DRAPE_OK;
     });
+    if (w->sewn)
+        cycle_sewn(w, a);
 }
 
 /* The next direction `to` = s + β from and its image q. */
@@ -380,14 +413,31 @@ static struct pcg_state read_state(struct gpu *g)
 /* The three tasks: each queues its launches, as one graph unless the host is to
  * launch them. */
 
+/* What the cycle with seams takes. */
+static void put_cloths(const struct joint_system *w)
+{
+    struct sewn *s = w->sewn;
+    gpu_sewn_clear(s);
+    for (int k = 0; k < w->n; k++) {
+        const struct joint_part *part = &w->part[k];
+        struct pcg p = part_of(w, part);
+        gpu_sewn_put(s, part->cloth, &p.grid, lent_by(&p),
+                     w->joint->item + part->first);
+    }
+    gpu_sewn_send(w->gpu, s);
+}
+
 static int set_up(const struct joint_system *w, const struct solve *a)
 {
     struct gpu *g = w->gpu;
     auto all = [&] {
-        return each_cloth(w, [&](int k) {
+        int status = each_cloth(w, [&](int k) {
             struct pcg p = part_of(w, &w->part[k]);
             return gpu_pcg_prepare(g, &p);
         });
+        if (w->sewn)
+            gpu_sewn_set_up(g, w->sewn);
+        return status;
     };
     bool done = gpu_loop(g, loop_key{a, sizeof *a}, {NULL, all, {}, {}});
     return done ? gpu_status(g) : all();
@@ -472,6 +522,8 @@ int gpu_joint_system_set_up(const struct joint_system *w)
     struct solve a;
     gpu_hand_over(w->gpu);
     write_solve(&a, w, SET_UP, NULL);
+    if (w->sewn)
+        put_cloths(w);
     int status = set_up(w, &a);
     gpu_hand_over(w->gpu);
     return status;

@@ -53,6 +53,17 @@ enum { CHAIN_BLOCK = 64, CHAIN_COUNT = 200 };
 void gpu_coarsen_chain(struct gpu *g, const struct level *l, int levels);
 
 struct opening gpu_multigrid_opening(const struct multigrid *s);
+/* §5: fills the list of grids, from fine to coarse, with the places of their
+ * streams. Returns how many there are. lent, go: as below. */
+int gpu_multigrid_lay_out(const struct multigrid *s, sym *lent,
+                          const int32_t *go, struct level *l);
+/* §4: the part of F (b - A x) by which grid k is smoothed. */
+real gpu_multigrid_damping(const struct multigrid *s, int k);
+/* The residual of a grid after y, in x; and y, smoothed, in x. item: as below.
+ */
+void gpu_multigrid_descend(struct gpu *g, const struct level *l);
+void gpu_multigrid_smooth(struct gpu *g, const struct level *l, real damping,
+                          real *item);
 
 /* The two halves of gpu_multigrid: the build makes the coarse operators, and a
  * cycle applies them. The opening must have been done before a cycle. go: as in

@@ -7,8 +7,8 @@
 
 /* §5: fills the list of grids, from fine to coarse, with the places of their
  * streams. */
-static int lay_out(const struct multigrid *s, sym *lent, const int32_t *go,
-                   struct level *l)
+int gpu_multigrid_lay_out(const struct multigrid *s, sym *lent,
+                          const int32_t *go, struct level *l)
 {
     sym *a = lent ? s->pool : s->pool + s->count;
     vec *v = s->room + s->count;
@@ -29,7 +29,8 @@ static int lay_out(const struct multigrid *s, sym *lent, const int32_t *go,
     fine.go = go;
     l[0] = fine;
     int levels = 1;
-    while (levels == 1 || l[levels - 1].count > COARSEST) {
+    while (s->depth ? levels <= s->depth
+                    : levels == 1 || l[levels - 1].count > COARSEST) {
         const struct level *f = &l[levels - 1];
         struct level c = {};
         c.g = grid{f->g.m / 2 + 1, f->g.n / 2 + 1};
@@ -55,14 +56,15 @@ static real damping_of(double high)
     return (real)(16 / (9 * high));
 }
 
-static real fine_damping(const struct multigrid *s)
+real gpu_multigrid_damping(const struct multigrid *s, int k)
 {
-    return damping_of(s->triples ? 2.7 : 2);
+    return k ? damping_of(s->n_extra ? 4 : 2.5)
+             : damping_of(s->triples ? 2.7 : 2);
 }
 
 struct opening gpu_multigrid_opening(const struct multigrid *s)
 {
-    return opening{s->factor, s->room, fine_damping(s)};
+    return opening{s->factor, s->room, gpu_multigrid_damping(s, 0)};
 }
 
 /* Thread p owns y[p]. */
@@ -102,13 +104,26 @@ static void multiply(struct gpu *g, const struct level *l, X x, END end)
         product_of<STENCIL>(g, edges_of(l), x, end, l->go);
 }
 
+void gpu_multigrid_descend(struct gpu *g, const struct level *l)
+{
+    multiply(g, l, plain{l->y}, left_of(l));
+}
+
+void gpu_multigrid_smooth(struct gpu *g, const struct level *l, real damping,
+                          real *item)
+{
+    struct smoothing end = smoothing_of(l, damping);
+    end.item = item;
+    multiply(g, l, plain{l->y}, end);
+}
+
 /* Queues the way down on one grid: from b, smoothed in y, to the residual, and
  * then b of the next grid, unless the tail has it. */
 static void go_down(struct gpu *g, const struct level *l, bool last,
                     real damping)
 {
     const struct level *c = l + 1;
-    multiply(g, l, plain{l->y}, left_of(l));
+    gpu_multigrid_descend(g, l);
     if (!last)
         MERGE(g, c->count, (*l, *c, damping), multigrid_restrict_kernel);
 }
@@ -127,7 +142,7 @@ static void go_up(struct gpu *g, const struct level *l, bool raised,
     }
     if (!raised)
         MERGE(g, l->count, (*l, y), multigrid_prolong_kernel);
-    multiply(g, l, plain{l->y}, end);
+    gpu_multigrid_smooth(g, l, damping, item);
 }
 
 static struct coarsest coarsest_of(const struct multigrid *s,
@@ -142,8 +157,9 @@ void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, sym *lent,
                          const int32_t *go, real *item)
 {
     struct level l[LEVELS];
-    int levels = lay_out(s, lent, go, l), first = 1, ranks = 1;
-    real fine = fine_damping(s), coarse = damping_of(s->n_extra ? 4 : 2.5);
+    int levels = gpu_multigrid_lay_out(s, lent, go, l), first = 1, ranks = 1;
+    real fine = gpu_multigrid_damping(s, 0);
+    real coarse = gpu_multigrid_damping(s, 1);
     struct tail tail = {};
     int64_t room = fit_tail(&tail, l, levels, &first, &ranks, g);
     for (int k = 0; k < first; k++)
@@ -201,7 +217,8 @@ int gpu_multigrid_build(struct gpu *g, struct multigrid *s, sym *lent)
                        .live = s->live,
                        .rule = s->live + s->count};
     int status = gpu_excess(g, &e), k = 1;
-    int levels = status == DRAPE_OK ? lay_out(s, lent, NULL, l) : 0;
+    int levels =
+        status == DRAPE_OK ? gpu_multigrid_lay_out(s, lent, NULL, l) : 0;
     for (; k < levels && status == DRAPE_OK; k++) {
         if (k > 1 && l[k].count <= CHAIN_COUNT)
             break;

@@ -5,7 +5,6 @@
 #ifndef GPU_PCG_CUH
 #define GPU_PCG_CUH
 
-#include "gpu/cloth/rate.h"
 #include "gpu/solve/level.cuh"
 
 extern "C" {

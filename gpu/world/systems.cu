@@ -6,6 +6,7 @@ extern "C" {
 #include "gpu/contact/joint.h"
 #include "gpu/contact/queue.h"
 #include "gpu/run/backend.h"
+#include "gpu/solve/sewn.h"
 #include "gpu/world/state.h"
 #include "gpu/world/systems.h"
 #include "ref/base/sum.h"
@@ -68,7 +69,10 @@ int gpu_systems_streams(struct gpu_world *w)
         take(g, &a->none, nv + 1);
     }
     make_joint(w, &a->joint);
-    return gpu_status(g);
+    const struct sewn *grids = w->host->seams.grids;
+    if (grids)
+        w->world.seams.grids = gpu_sewn_make(g, w->world.arena, grids);
+    return grids && !w->world.seams.grids ? DRAPE_ENOMEM : gpu_status(g);
 }
 
 /* The lists are read until the slice ends, and vertex and next by stage coulomb
@@ -114,6 +118,7 @@ static struct joint_system systems_of(struct world *w, struct joint *s)
         p->pcg.packed = a->dynamics.packed;
         p->rate = a->device->rate;
         p->first = a->first;
+        p->cloth = k;
     }
     return (struct joint_system){.gpu = d->gpu,
                                  .n = n,
@@ -122,7 +127,8 @@ static struct joint_system systems_of(struct world *w, struct joint *s)
                                  .links = d->links,
                                  .mutual_end = d->mutual_end,
                                  .mutual = d->mutual,
-                                 .w = w->w};
+                                 .w = w->w,
+                                 .sewn = w->seams.grids};
 }
 
 /* Stage coulomb, before, has left it to this readback to tell that a contact is

@@ -180,7 +180,8 @@ static void gather_vertex(const struct coulomb *s, int64_t i)
         if (at < contacts)
             force = vec_axpy(force, c->c[j], push);
         next = vec_axpy(next, c->c[j], s->next[at]);
-        if (!c->coupling)
+        bool knit = at >= contacts && s->knits;
+        if (!c->coupling || (knit && c->coupling == CONTACT_MUTUAL))
             continue;
         sym *to = &sum[c->coupling == CONTACT_SINGLE];
         *to = sym_add(*to, bound_of(s, c, j));

@@ -11,6 +11,7 @@
 #include "ref/contact/response.h"
 #include "ref/contact/unknowns.h"
 #include "ref/sleep/sleep.h"
+#include "ref/solve/sewn.h"
 #include "ref/world/state.h"
 
 /* §3.4: linear systems after which an end need not be as near to balance; most
@@ -121,6 +122,7 @@ static void evaluate_contacts(struct loop *s, bool lists, bool renews)
     struct coulomb *law = &s->a->law;
     law->seams = seams_contacts(&w->seams);
     law->hinges = w->seams.n_hinges;
+    law->knits = w->seams.grids != NULL;
     law->n = w->response.active + law->seams;
     law->n4 = 4 * law->n;
     law->contact = contacts_of(s);
@@ -154,6 +156,15 @@ static void clear_asleep(const struct loop *s)
     sleep_clear(s->w, j->item, sizeof *j->item);
 }
 
+/* The matrices of the seams that the preconditioner has; NULL: none. */
+static void take_matrices(struct loop *s, const struct contact *seams)
+{
+    struct world *w = s->w;
+    if (w->seams.grids)
+        w->run->seam_matrix(w->on, w->seams.grids->n, seams,
+                            w->seams.grids->kappa);
+}
+
 /* The preconditioner, of the matrix at the iterate, if it is of another one;
  * §4: where springs are linearised anew, of theirs there. */
 static void make_preconditioner(struct loop *s)
@@ -179,6 +190,7 @@ static void make_preconditioner(struct loop *s)
                               .start = law->start,
                               .item = law->item,
                               .push = j->links.push};
+    take_matrices(s, law->contact + (law->n - law->seams));
     if (loop_continues(s))
         note_status(s, w->run->joint_set_up(w, j));
 }
@@ -609,6 +621,7 @@ static void take_jump(struct loop *s, const struct retain *r)
     j->b = a->jump;
     j->bound = j->single = a->bare;
     j->links.n = j->links.n4 = 0;
+    take_matrices(s, NULL);
     j->links.start = a->none;
     j->tolerance = (real)w->def.tolerance;
     j->max_iterations = w->def.max_iterations;

@@ -9,6 +9,7 @@
 #include "ref/solve/joint.h"
 
 struct pairs;
+struct sewn;
 
 /* seam.md §3: κ, of the stretch of the weaker cloth. */
 #define SEAM_SOFT R(0.1)
@@ -45,6 +46,8 @@ struct seams {
     vec *pull;      /* [n] N, on the particle, at the start of the slice */
     vec *next;      /* [n] N, at its end; scratch before that */
     struct contact *aside; /* [n + n_hinges] scratch, while contacts change */
+
+    struct sewn *grids; /* of multigrid; NULL: none, or another solver */
 
     /* seam.md §5: the particles that are sewn to vertex i are those at start[i]
      * … start[i + 1] - 1 of `sewn`, ascending. */

@@ -64,6 +64,25 @@ static struct contact contact_of(const struct seam *s, int64_t k)
     return c;
 }
 
+/* sewn.md §2: b (I - z zᵀ). */
+static sym matrix_of(real b, vec z)
+{
+    return (sym){b - b * z.x * z.x, -(b * z.x * z.y), -(b * z.x * z.z),
+                 b - b * z.y * z.y, -(b * z.y * z.z), b - b * z.z * z.z};
+}
+
+void ref_seam_matrix(struct gpu *on, int64_t n, const struct contact *seams,
+                     sym *kappa)
+{
+    (void)on;
+    EACH_ITEM
+    for (int64_t k = 0; k < n; k++) {
+        bool holds = seams && seams[k].coupling == CONTACT_MUTUAL;
+        kappa[k] = holds ? matrix_of(seams[k].stiffness_t, seams[k].way)
+                         : matrix_of(0, vec_make(0, 0, 0));
+    }
+}
+
 void ref_seam_open(struct gpu *on, const struct seam *s)
 {
     (void)on;

@@ -420,7 +420,8 @@ int sew_fill(struct world *w, const drape_def *def, drape_error *error)
     sew_stiffen(w);
     ref_seam_gap(NULL, s->n, s->point, w->x0, s->to);
     memcpy(s->from, s->to, (size_t)s->n * sizeof *s->to);
-    return make_lists(w, error);
+    status = sew_grids(w, def);
+    return status == DRAPE_OK ? make_lists(w, error) : status;
 }
 
 bool sew_joins(const struct world *w, int32_t a, int32_t b)

@@ -15,8 +15,9 @@ static void put_block(double *a, int64_t p, int64_t q, sym b, double sign)
             a[(3 * p + r) * DENSE + 3 * q + c] += sign * e[r][c];
 }
 
-static void fill_matrix(const struct coarsest *l, double *a)
+void coarsest_fill(const struct coarsest *l)
 {
+    double *a = l->dense;
     for (int k = 0; k < DENSE * DENSE; k++)
         a[k] = 0;
     for (int64_t p = 0; p < l->count; p++) {
@@ -75,7 +76,7 @@ static void invert_matrix(int n, double *a)
 
 void coarsest_invert(const struct coarsest *s)
 {
-    fill_matrix(s, s->dense);
+    coarsest_fill(s);
     invert_matrix(3 * (int)s->count, s->dense);
 }
 

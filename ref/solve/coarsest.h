@@ -17,6 +17,9 @@ struct coarsest {
     double *dense;     /* [DENSE·DENSE] rows of the inverse */
 };
 
+/* Fills dense with A, in rows of DENSE. */
+void coarsest_fill(const struct coarsest *l);
+
 /* Fills the rows of A's unknowns in dense with the inverse of A. An unknown
  * whose pivot is too small has zeros in its row and column. */
 void coarsest_invert(const struct coarsest *s);

@@ -6,6 +6,7 @@
 #include "ref/base/sum.h"
 #include "ref/sleep/sleep.h"
 #include "ref/solve/product.h"
+#include "ref/solve/sewn.h"
 #include "ref/world/state.h"
 
 /* The system of one cloth: its solver with bound as `extra`, on its part of the
@@ -22,6 +23,18 @@ static struct pcg part_of(const struct sheet *s, const struct joint *a)
     return p;
 }
 
+/* The cloths, as the cycle with seams takes them. */
+static struct sewn *put_cloths(struct world *w, struct joint *a)
+{
+    for (int k = 0; k < w->def.n_cloths; k++) {
+        struct pcg p = part_of(&w->sheet[k], a);
+        p.s = a->q + w->sheet[k].first;
+        pcg_open(&p);
+        ref_sewn_put(w->seams.grids, k, &p.grid, sleep_awake(w, k));
+    }
+    return w->seams.grids;
+}
+
 int ref_joint_set_up(struct world *w, struct joint *a)
 {
     int status = DRAPE_OK;
@@ -33,6 +46,8 @@ int ref_joint_set_up(struct world *w, struct joint *a)
         if (status == DRAPE_OK)
             status = ref_pcg_set_up(&p);
     }
+    if (status == DRAPE_OK && w->seams.grids)
+        ref_sewn_set_up(put_cloths(w, a));
     return status;
 }
 
@@ -47,7 +62,9 @@ static real dot_streams(struct joint *a, const vec *x, const vec *y)
 /* Sets q to M⁻¹ r, cloth by cloth, and returns r·q. */
 static real apply_preconditioner(struct world *w, struct joint *a)
 {
-    for (int k = 0; k < w->def.n_cloths; k++) {
+    if (w->seams.grids)
+        ref_sewn_cycle(put_cloths(w, a));
+    for (int k = 0; k < w->def.n_cloths && !w->seams.grids; k++) {
         struct pcg p = part_of(&w->sheet[k], a);
         if (!sleep_awake(w, k))
             continue;

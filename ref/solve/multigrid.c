@@ -6,24 +6,12 @@
 #include "ref/solve/coarsen.h"
 #include "ref/solve/coarsest.h"
 #include "ref/solve/jacobi.h"
+#include "ref/solve/level.h"
 #include "ref/solve/product.h"
-
-/* One grid of the hierarchy and its streams. */
-struct level {
-    int32_t m, n;
-    int64_t count;
-    const uint8_t *fixed; /* NULL: all free */
-    uint8_t *rule;        /* rules of interpolation from the next coarser
-                             grid */
-    sym *excess, *block;
-    const sym *factor;
-    const vec *b; /* right-hand side */
-    vec *x, *y;   /* solution; product and residual */
-};
 
 /* §5: lays out the grids, from fine to coarse, in the streams of scratch.
  * Returns the number of grids. */
-static int lay_out(const struct multigrid *s, struct level *l)
+int multigrid_lay_out(const struct multigrid *s, struct level *l)
 {
     sym *a = s->pool;
     vec *v = s->room;
@@ -41,7 +29,8 @@ static int lay_out(const struct multigrid *s, struct level *l)
     l[0] = fine;
     a += s->count;
     v += s->count;
-    while (levels == 1 || l[levels - 1].count > COARSEST) {
+    while (s->depth ? levels <= s->depth
+                    : levels == 1 || l[levels - 1].count > COARSEST) {
         struct level *c = &l[levels], *f = &l[levels - 1];
         c->m = coarse_size(f->m);
         c->n = coarse_size(f->n);
@@ -73,13 +62,15 @@ int64_t ref_multigrid_size(struct multigrid *s)
     s->n_room = s->count;
     s->n_live = 2 * s->count;
     s->n_dense = DENSE * DENSE;
+    int32_t levels = 1;
     do {
         m = coarse_size(m);
         n = coarse_size(n);
         s->n_pool += (2 + STENCIL) * (int64_t)m * n;
         s->n_room += 3 * (int64_t)m * n;
         s->n_live += (int64_t)m * n;
-    } while ((int64_t)m * n > COARSEST);
+        levels++;
+    } while (s->depth ? levels <= s->depth : (int64_t)m * n > COARSEST);
     return s->n_pool * (int64_t)sizeof(sym) + s->n_room * (int64_t)sizeof(vec) +
            s->n_live + s->n_dense * (int64_t)sizeof(double) +
            s->n_parts * (int64_t)sizeof *s->parts;
@@ -219,7 +210,7 @@ static void prolong_level(const struct level *c, const struct level *f)
         }
 }
 
-static struct coarsest coarsest_of(const struct multigrid *s,
+struct coarsest multigrid_coarsest(const struct multigrid *s,
                                    const struct level *l)
 {
     return (struct coarsest){.m = l->m,
@@ -233,7 +224,7 @@ static struct coarsest coarsest_of(const struct multigrid *s,
 int ref_multigrid_build(struct multigrid *s)
 {
     struct level l[LEVELS];
-    int levels = lay_out(s, l);
+    int levels = multigrid_lay_out(s, l);
     struct excess e = {.m = s->m,
                        .n = s->n,
                        .count = s->count,
@@ -273,28 +264,54 @@ int ref_multigrid_build(struct multigrid *s)
         status = ref_coarsen(&c);
     }
     if (status == DRAPE_OK) {
-        struct coarsest d = coarsest_of(s, &l[levels - 1]);
+        struct coarsest d = multigrid_coarsest(s, &l[levels - 1]);
         coarsest_invert(&d);
     }
     return status;
 }
 
+real multigrid_damping(const struct multigrid *s, int k)
+{
+    return k ? damping_of(s->n_extra ? 4 : 2.5)
+             : damping_of(s->triples ? 2.7 : 2);
+}
+
+void multigrid_descend(const struct multigrid *s, const struct level *l, int k)
+{
+    smooth_zero(&l[k], multigrid_damping(s, k));
+    find_residual(s, &l[k]);
+}
+
+void multigrid_restrict(const struct multigrid *s, const struct level *l, int k)
+{
+    (void)s;
+    restrict_to(&l[k], &l[k + 1]);
+}
+
+void multigrid_prolong(const struct multigrid *s, const struct level *l, int k)
+{
+    (void)s;
+    prolong_level(&l[k + 1], &l[k]);
+}
+
+void multigrid_smooth(const struct multigrid *s, const struct level *l, int k)
+{
+    smooth_level(s, &l[k], multigrid_damping(s, k));
+}
+
 void ref_multigrid_cycle(struct multigrid *s)
 {
     struct level l[LEVELS];
-    int last = lay_out(s, l) - 1;
-    real fine = damping_of(s->triples ? 2.7 : 2),
-         coarse = damping_of(s->n_extra ? 4 : 2.5);
+    int last = multigrid_lay_out(s, l) - 1;
     for (int k = 0; k < last; k++) {
-        smooth_zero(&l[k], k ? coarse : fine);
-        find_residual(s, &l[k]);
-        restrict_to(&l[k], &l[k + 1]);
+        multigrid_descend(s, l, k);
+        multigrid_restrict(s, l, k);
     }
-    struct coarsest d = coarsest_of(s, &l[last]);
+    struct coarsest d = multigrid_coarsest(s, &l[last]);
     coarsest_solve(&d, l[last].b, l[last].x);
     for (int k = last - 1; k >= 0; k--) {
-        prolong_level(&l[k + 1], &l[k]);
-        smooth_level(s, &l[k], k ? coarse : fine);
+        multigrid_prolong(s, l, k);
+        multigrid_smooth(s, l, k);
     }
 }
 

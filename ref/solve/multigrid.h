@@ -28,6 +28,8 @@ struct multigrid {
     const sym *factor;    /* [count] of ref_jacobi, with packed if there is
                              any */
     const vec *r;         /* [count] 0 where fixed */
+    int32_t depth;        /* the last grid; 0: the first of at most 16 particles
+                           */
 
     int64_t n_pool, n_room, n_live, n_dense; /* from ref_multigrid_size */
     int64_t n_parts;                         /* from ref_multigrid_size */

@@ -17,6 +17,7 @@ int64_t ref_pcg_size(struct pcg *s)
     struct multigrid none = {0};
     s->grid = none;
     if (s->precond == DRAPE_MULTIGRID) {
+        s->grid.depth = s->depth;
         s->grid.m = s->m;
         s->grid.n = s->n;
         s->grid.n_packed = s->n_packed;

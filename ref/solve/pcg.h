@@ -21,6 +21,7 @@ struct pcg {
     int64_t count;          /* m·n */
     int32_t precond;        /* enum drape_precond */
     int32_t form;           /* enum drape_matrix */
+    int32_t depth;          /* of multigrid.h */
     real tolerance;         /* of the relative residual, ≥ 0 */
     int32_t max_iterations; /* ≥ 0 */
     int32_t solver;         /* enum drape_solver, for the device */

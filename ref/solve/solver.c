@@ -7,6 +7,7 @@
 #include "ref/cloth/cloth.h"
 #include "ref/cloth/dynamics.h"
 #include "ref/solve/matrix.h"
+#include "ref/solve/sewn.h"
 
 static void *take_stream(struct arena *a, int64_t n, size_t size)
 {
@@ -27,6 +28,7 @@ void solver_size(struct pcg *p, const drape_def *def, const struct cloth *cloth)
     p->fixed = cloth->fixed;
     p->triples = cloth->triples > 0;
     p->whole = cloth->panel != NULL;
+    p->depth = sewn_depth(def);
     ref_pcg_size(p);
 }
 

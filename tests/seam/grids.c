@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Tests of the cycle over cloths that seams join. spec/solve/sewn.md */
+#include "ref/api/handle.h"
+#include "ref/base/sum.h"
+#include "ref/solve/joint.h"
+#include "ref/world/state.h"
+#include "tests/base/choices.h"
+#include "tests/base/harness.h"
+
+#include <stdlib.h>
+
+/* PANELS in a row, of SIDE² particles, and two small cloths that are sewn
+ * anyway, so that both of the worlds that are compared have seams. */
+enum { PANELS = 6, SIDE = 33, SMALL = 5, ALL = PANELS + 2 };
+static const double cell = 5e-3;
+
+struct row {
+    drape_def def;
+    drape_cloth cloth[ALL];
+    drape_seam seam[ALL];
+    drape_pin pin[ALL][2];
+    int32_t particle[ALL][SIDE], onto[ALL][SIDE][2];
+    double part[SIDE];
+};
+
+/* Sews the right edge of cloth k to the left one of the next. */
+static void sew_next(struct row *s, int k)
+{
+    int m = s->cloth[k].m, n = s->cloth[k].n;
+    for (int j = 0; j < n; j++) {
+        s->particle[k][j] = m - 1 + m * j;
+        s->onto[k][j][0] = s->onto[k][j][1] = s->cloth[k + 1].m * j;
+    }
+    s->seam[s->def.n_seams++] =
+        (drape_seam){.cloth = {k, k + 1},
+                     .n = n,
+                     .particle = s->particle[k],
+                     .onto = (const int32_t(*)[2])s->onto[k],
+                     .part = s->part};
+}
+
+/* Adds a cloth of m × n particles from x = `at` on, held at the corners of its
+ * upper edge that are asked for. */
+static void add_cloth(struct row *s, int m, int n, const double at[2],
+                      bool left, bool right)
+{
+    int k = s->def.n_cloths++;
+    drape_cloth *c = &s->cloth[k];
+    drape_default_cloth(c);
+    c->m = m;
+    c->n = n;
+    c->width = (m - 1) * cell;
+    c->height = (n - 1) * cell;
+    c->origin[0] = at[0];
+    c->origin[1] = at[1];
+    c->v[1] = -0.8;
+    c->v[2] = 0.6;
+    c->pins = s->pin[k];
+    if (left)
+        s->pin[k][c->n_pins++] = (drape_pin){.i = 0, .motion = -1};
+    if (right)
+        s->pin[k][c->n_pins++] = (drape_pin){.i = m - 1, .motion = -1};
+}
+
+/* A sheet that falls, held at two corners: a row of panels, or whole. */
+static void make_row(struct row *s, int panels)
+{
+    int m = PANELS * (SIDE - 1) / panels + 1;
+    memset(s, 0, sizeof *s);
+    drape_default(&s->def);
+    s->def.cloths = s->cloth;
+    s->def.seams = s->seam;
+    s->def.precision = REAL_BITS;
+    for (int k = 0; k < panels; k++)
+        add_cloth(s, m, SIDE, (double[]){k * (m - 1) * cell, 0}, k == 0,
+                  k == panels - 1);
+    for (int k = 0; k < panels - 1; k++)
+        sew_next(s, k);
+    for (int k = 0; k < 2; k++)
+        add_cloth(s, SMALL, SMALL, (double[]){k * (SMALL - 1) * cell, 1}, true,
+                  true);
+    sew_next(s, panels);
+}
+
+/* Steps a row. Returns the iterations of a system, in the mean. */
+static double iterations_of(const struct row *s, int steps)
+{
+    drape_world *world;
+    double iterations = 0, systems = 0;
+    if (drape_create(&s->def, &world, NULL) != DRAPE_OK)
+        return 0;
+    for (int k = 0; k < steps; k++) {
+        drape_step_report r;
+        if (drape_step(world, &r) != DRAPE_OK || r.outcome != 0)
+            systems = INFINITY;
+        iterations += r.iterations;
+        systems += r.work.solves;
+    }
+    drape_destroy(world);
+    return iterations / systems;
+}
+
+/* A system of a sheet of panels takes at most 1.5 times the iterations of one
+ * of the whole sheet. */
+const char *test_seam_iterations(void)
+{
+    static struct row s;
+    make_row(&s, 1);
+    double whole = iterations_of(&s, 5);
+    make_row(&s, PANELS);
+    double sewn = iterations_of(&s, 5);
+    EXPECT(whole > 1 && sewn > 1 && sewn <= 1.5 * whole);
+    ran(1);
+    return NULL;
+}
+
+/* q = M⁻¹ r of all particles of a world. */
+static void precondition(struct world *w, const vec *r, vec *q)
+{
+    struct joint *j = &w->lagrange.joint;
+    size_t bytes = (size_t)w->nc * sizeof *r;
+    real value;
+    ref_joint_measure(w, j, r, &value);
+    memcpy(q, j->q, bytes);
+}
+
+static double product_of(int64_t n, const vec *a, const vec *b)
+{
+    double sum = 0;
+    for (int64_t k = 0; k < n; k++)
+        sum += (double)a[k].x * (double)b[k].x +
+               (double)a[k].y * (double)b[k].y +
+               (double)a[k].z * (double)b[k].z;
+    return sum;
+}
+
+/* §3.1: M is symmetric, to rounding, and positive definite. multigrid.md §4
+ * bounds the roundings of a cycle. */
+const char *test_seam_cycle(void)
+{
+    static struct row s;
+    drape_world *world;
+    struct bytes b = {.seed = 7, .size = -1};
+    double u = REAL_BITS == 32 ? 0x1p-24 : 0x1p-53;
+    make_row(&s, PANELS);
+    EXPECT(drape_create(&s.def, &world, NULL) == DRAPE_OK);
+    for (int k = 0; k < 3; k++)
+        EXPECT(drape_step(world, NULL) == DRAPE_OK);
+    struct world *w = world->world;
+    vec *v[4];
+    for (int k = 0; k < 4; k++) {
+        v[k] = calloc((size_t)w->nc, sizeof *v[k]);
+        EXPECT(v[k]);
+    }
+    for (int turn = 0; turn < 10; turn++) {
+        for (int k = 0; k < 2; k++) {
+            for (int64_t p = 0; p < w->nc; p++)
+                if (w->w[p] > 0)
+                    v[k][p] = vec_make(pick_uniform(&b, -1, 1),
+                                       pick_uniform(&b, -1, 1),
+                                       pick_uniform(&b, -1, 1));
+            precondition(w, v[k], v[2 + k]);
+        }
+        double xx = product_of(w->nc, v[0], v[2]);
+        double yy = product_of(w->nc, v[1], v[3]);
+        double xy = product_of(w->nc, v[0], v[3]);
+        double yx = product_of(w->nc, v[1], v[2]);
+        EXPECT(xx > 0 && yy > 0);
+        EXPECT(fabs(xy - yx) <= 2112 * u * sqrt(xx * yy));
+        ran(1);
+    }
+    for (int k = 0; k < 4; k++)
+        free(v[k]);
+    drape_destroy(world);
+    return NULL;
+}
