@@ -5,12 +5,12 @@ sampler, sewn on its mean body by `drape sew`. app/patterns/README.md §11
 
 usage: bench/designs.py DRAPE GARMENTCODE OUT FIRST LAST [CELL [OPTION...]]
 
-GARMENTCODE is a clone of github.com/maria-korosteleva/GarmentCode (MIT), and
-`pip install pygarment trimesh` has what it needs. Draws a design of each seed from
-FIRST to LAST to OUT/designN_specification.json, sews it by cells of CELL m (default:
-0.01) with these options, and adds a row to OUT/designs.csv. Designs with trousers
-are sewn on the body with its legs apart. The exit status is 1 if in some frame
-cloth goes through cloth or a body.
+GARMENTCODE is a clone of github.com/maria-korosteleva/GarmentCode (MIT), whose own
+`pygarment` is used; `pip install pygarment trimesh` has what that needs. Draws a design
+of each seed from FIRST to LAST to OUT/designN_specification.json, sews it by cells of
+CELL m (default: 0.01) with these options, and adds a row to OUT/designs.csv. Designs
+with trousers are sewn on the body with its legs apart. The exit status is 1 if in some
+frame cloth goes through cloth or a body.
 """
 import csv
 import json

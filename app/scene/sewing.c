@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const sewing_stages[SEWING_STAGES] = {"darts",  "around", "seams",
-                                                  "across", "worn",   "moving"};
+const char *const sewing_stages[SEWING_STAGES] = {
+    "darts", "around", "seams", "across", "free", "worn", "moving"};
 
 /* The fastest target. Within a step of 1/60 s it falls by 8 mm, which is less
  * than cloth moves when it falls freely for 0.05 s. */
@@ -270,6 +270,8 @@ static void define_stage(struct sewing *s, enum sewing_stage stage)
     }
     for (int k = 0; k < def->n_obstacles; k++) {
         s->obstacle[k] = s->whole.obstacles[k];
+        if (stage == SEWING_FREE)
+            s->obstacle[k].friction = 0;
         if (moving && !s->holds)
             continue; /* it is led from its time 0 on, where it stands yet */
         s->obstacle[k].x = (const double(*)[3])s->x + at;
@@ -361,14 +363,30 @@ static int enter_stage(struct sewing *s, enum sewing_stage stage)
     return make_world(s, stage);
 }
 
-/* The next stage that has a seam. */
+/* Whether the turn of seam k has come. */
+static bool has_turn(const struct sewing *s, int k)
+{
+    return s->seam[k].stage <= s->stage;
+}
+
+/* Whether each seam whose turn has come is near enough for the next stage. */
+static bool all_near(const struct sewing *s)
+{
+    for (int k = 0; k < s->whole.n_seams; k++)
+        if (has_turn(s, k) &&
+            !(s->seam[k].most < near * s->scene->seam[k].cell))
+            return false;
+    return true;
+}
+
+/* The next stage that has something to sew. */
 static enum sewing_stage next_stage(const struct sewing *s, int from)
 {
-    for (; from < SEWING_WORN; from++)
+    for (; from < SEWING_FREE; from++)
         for (int k = 0; k < s->whole.n_seams; k++)
             if ((int)s->seam[k].stage == from)
                 return (enum sewing_stage)from;
-    return SEWING_WORN;
+    return from > SEWING_FREE || all_near(s) ? SEWING_WORN : SEWING_FREE;
 }
 
 int sewing_begin(struct sewing *sewing, struct scene *scene,
@@ -409,12 +427,6 @@ static bool waits(const struct sewing *s, int k, int64_t p)
 {
     const struct sewing_seam *seam = &s->seam[k];
     return vec3_length(seam->pull[p]) > 0.99 * s->turn[seam->index].strength;
-}
-
-/* Whether the turn of seam k has come. */
-static bool has_turn(const struct sewing *s, int k)
-{
-    return s->seam[k].stage <= s->stage;
 }
 
 /* The part of its gap that each point is to close in this step, so that all
@@ -516,12 +528,10 @@ static int hold_seams(struct sewing *s)
 static bool is_done(struct sewing *s)
 {
     double left = 0;
-    bool all = true;
     for (int k = 0; k < s->whole.n_seams; k++) {
         const struct sewing_seam *seam = &s->seam[k];
         if (!has_turn(s, k))
             continue;
-        all &= seam->most < near * s->scene->seam[k].cell;
         for (int64_t p = 0; p < seam->n; p++)
             left += vec3_length(seam->gap[p]) * s->scene->seam[k].length[p];
     }
@@ -532,7 +542,7 @@ static bool is_done(struct sewing *s)
         s->left = left;
         s->still = 0;
     }
-    return all || (double)s->still * s->whole.dt > patience;
+    return all_near(s) || (double)s->still * s->whole.dt > patience;
 }
 
 /* Whether a gap is open that nothing holds back. */

@@ -15,6 +15,7 @@ enum sewing_stage {
                       what closes before */
     SEWING_ACROSS, /* those that cross the end of one of these: while that is
                       open, the panel that they draw to it goes through */
+    SEWING_FREE,   /* what is open then, without the friction of bodies */
     SEWING_WORN,
     SEWING_MOVING,
     SEWING_STAGES

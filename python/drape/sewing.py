@@ -88,7 +88,7 @@ class SewnFrame:
 
     Attributes:
         frame, step: its number, and the steps before it
-        stage: "darts", "around", "seams", "across", "worn" or "moving"
+        stage: "darts", "around", "seams", "across", "free", "worn" or "moving"
         gap_cells: the largest gap as a part of a cell, of the seams whose turn has
             come; seam: which has it; open: how many are; waiting: their points that
             pull as hard as they may
