@@ -8,7 +8,10 @@ usage: ci/equal/census.py    prints each function that no proof reaches, and why
 A function is reached if a row that spec/proofs.md records as proved names it, or if a
 function that is reached calls it: its code is inlined there, and executed. A HOLE is
 not. A name means the function of the files that the caller's file includes; where
-these have several of this name, all. What a function calls keeps it from a proof, too.
+these have several of this name, all. A template calls those functions of the row's
+files, too, that take one of the row's structs first. What a function calls keeps it
+from a proof, too. Functions without loops over data are counted by themselves: those
+that launches of fixed size reach besides do not make up for others.
 ci/equal/left.def says of the others why they are left. Some cannot have a twin, by a
 rule and not by hand (`no_twin`); they count, but what is reached of the others is told
 as well.
@@ -32,7 +35,7 @@ TOGETHER = re.compile(r"__sync|cluster_|grid_sync|__shfl|block_|__ballot|lane_|"
                       r"__shared__|_by_warp|all_sums|grid_sums|copies_|bulk_")
 FIXED = re.compile(r"<=?\s*(?:\d+|[A-Z_]{2,}\w*)\b|>=?\s*0|= \d+; *\w+ > 0")
 REASONS = ("threads work together", "an atomic", "a loop over data")
-NO_LOOP, LEFT = "no loop over data, left", "ci/equal/left.def"
+NO_LOOP, LEFT = "no loop over data", "ci/equal/left.def"
 NO_REASON = "no row yet"
 
 # What tells an operation on a number from a copy of one; clang-format puts spaces around
@@ -41,7 +44,7 @@ OPERATES = re.compile(r" (?:[-+*/%<>&|^?]|<<|>>|[-+*/%|&^<>=!]=|&&|\|\||<<=|>>=)
                       r"[(=,] ?[-!~]\w|\b(?:if|for|while|switch)\b|return [-!~]")
 COPIES = {"memcpy", "sizeof", "__ldg", "__ldcs", "__ldcg", "__stcs", "alignas", "make"}
 
-Device = collections.namedtuple("Device", "path name heading body")
+Device = collections.namedtuple("Device", "path name heading body generic")
 
 
 def functions(folder="gpu"):
@@ -55,7 +58,8 @@ def functions(folder="gpu"):
             while depth and at < len(text):
                 depth += (text[at] == "{") - (text[at] == "}")
                 at += 1
-            found.append(Device(path, head[2], head[1], text[head.end():at]))
+            found.append(Device(path, head[2], head[1], text[head.end():at],
+                                head[0].startswith("template")))
     return found
 
 
@@ -119,7 +123,7 @@ class Calls:
 
     def meant(self, path, text, but=()):
         """The functions that a text in a file names as it calls or passes them."""
-        words = re.findall(r"\b(\w+)\s*(?:<[^;()]*>)?\(", text)
+        words = re.findall(r"\b(\w+)\s*(?:<[^;()=]*>)?\(", text)
         words += re.findall(r"<(\w+)[,>]", text)
         files = included(path)
         return {k for word in set(words) - set(but) for k in self.named.get(word, ())
@@ -136,6 +140,26 @@ class Calls:
         return seen
 
 
+def first_of(one):
+    """The struct to which a function's first parameter points, or nothing."""
+    found = re.search(r"\((?:const )?struct (\w+) [*&]", one.heading)
+    return found[1] if found else ""
+
+
+def instances(calls, row, seen):
+    """What templates among these functions call for the structs of a row: functions of
+    the row's files that take one first, which the template's own file does not name."""
+    given = row.device.partition("<")[2] if row.kernel else ""
+    types = set(re.findall(r"[a-z]\w+", given))
+    types |= {first_of(calls.found[k]) for k in seen if not calls.found[k].generic}
+    new = set()
+    for k in seen:
+        if calls.found[k].generic:
+            new |= {j for j in calls.meant(row.group.device, calls.found[k].body)
+                    if first_of(calls.found[j]) in types - {""}}
+    return new - seen
+
+
 def reached(calls, rows, known):
     """The functions that rows reach of which `known` says that they are proved."""
     seen = set()
@@ -146,7 +170,12 @@ def reached(calls, rows, known):
         text, holes = row.device, row.group.holes
         if row.kernel:
             text = re.match(r"\w+", text)[0] + "()"
-        seen |= calls.below(calls.meant(row.group.device, text, holes), holes)
+        mine = calls.below(calls.meant(row.group.device, text, holes), holes)
+        new = instances(calls, row, mine)
+        while new:
+            mine |= calls.below(new, holes)
+            new = instances(calls, row, mine)
+        seen |= mine
     return seen
 
 
@@ -168,30 +197,29 @@ def why_left(rows, one):
 
 
 def count(twins, known):
-    """[(function, "reached", a reason of REASONS or NO_LOOP, why it is left, why it can
-    have no twin)]. known: as page.recorded."""
+    """[(function, kind: a reason of REASONS or NO_LOOP, whether it is reached, why it is
+    left, why it can have no twin)]. The kind of a function follows from its text and
+    from what it calls, whether it is reached or not. known: as page.recorded."""
     found = functions()
     calls, rows = Calls(found), left()
     seen = reached(calls, twins, known)
     own = [reason(one.heading, one.body) for one in found]
     result = []
     for k, one in enumerate(found):
-        if k in seen:
-            result.append((one, "reached", "", no_twin(calls, k)))
-            continue
         of = {own[j] for j in calls.below([k])}
         kind = next((r for r in REASONS if r in of), NO_LOOP)
         rule = no_twin(calls, k) if kind == NO_LOOP else ""
-        why = rule or why_left(rows, one) if kind == NO_LOOP else ""
-        result.append((one, kind, why, rule))
+        open_ = kind == NO_LOOP and k not in seen
+        result.append((one, kind, k in seen,
+                       (rule or why_left(rows, one)) if open_ else "", rule))
     return result
 
 
 def main():
     """Prints what no row reaches."""
     rows = [t for g in table.read("ci/equal/twins.def") for t in g.twins]
-    for one, kind, why, _ in count(rows, page.recorded()):
-        if kind != "reached":
+    for one, kind, done, why, _ in count(rows, page.recorded()):
+        if not done:
             print(f"{one.path}: {one.name}: {kind}{': ' if why else ''}{why}")
 
 

@@ -52,6 +52,12 @@ COPIES = (
         ("a spring's ends in another order, of lanes that work together",
          "gpu/solve/edges.cuh", "y = add(sub(y, less[k]), plus[k]);",
          "y = sub(add(y, plus[k]), less[k]);", "gather_kernel_springs"),
+        ("a spring's ends in another order, of a tile in shared memory",
+         "gpu/cloth/springs.cuh", "f = sub(add(f, from), to);", "f = add(sub(f, to), from);",
+         "springs_kernel_springs"),
+        ("a residual that need not halve", "gpu/solve/pcg.cuh",
+         "if (!(c->residual <= c->before / 2)) {", "if (!(c->residual <= c->before)) {",
+         "restarts"),
     ),
     (
         ("the sign of a zero", "gpu/base/wide.cuh", "a.y * b.z - a.z * b.y",

@@ -5,6 +5,7 @@
 laws that are used hold for every input, one NaN taken for another:
   a - b = a + (-b); a + b = b + a; a · b = b · a; (-a) · b = -(a · b), so of ÷;
   1 · a = a; 2 · a = a + a; a / 2^k = a · 2^-k where that is exact; a + (-0) = a.
+Where a is not -0, a + 0 = a, and the sign of b's zero does not show in a + b.
 Not used, as they are false at zeros: a + 0 = a; (-a) + (-b) = -(a + b); a - a = 0.
 """
 import math
@@ -67,10 +68,13 @@ def is_zero(a):
 
 
 def never_minus_zero(a):
-    """Whether a number cannot be -0, by its shape: only a sum of two -0 is -0."""
+    """Whether a number cannot be -0, by its shape: only a sum of two -0 is -0, and no
+    square is."""
     memo = TABLE.memos["never -0"]
     if a.id not in memo:
         memo[a.id] = (a.op == "abs" or (is_const(a) and not is_minus_zero(a))
+                      or (a.op == "*" and a.args[0] is a.args[1])
+                      or (a.op == "sqrt" and never_minus_zero(a.args[0]))
                       or (a.op == "+" and any(map(never_minus_zero, a.args))))
     return memo[a.id]
 
@@ -87,6 +91,10 @@ def add(a, b):
         return a
     if is_zero(a) and never_minus_zero(b):
         return b
+    if TABLE.zeros and never_minus_zero(a):
+        b = unsigned(b)
+    elif TABLE.zeros and never_minus_zero(b):
+        a = unsigned(a)
     if TABLE.zeros and is_const(a) and value(a) != 0:
         b = unsigned(b)
     elif TABLE.zeros and is_const(b) and value(b) != 0:
@@ -232,12 +240,14 @@ def unsigned_of(a):
     """The same, without a memory."""
     if a.op == "float":
         return const(a.sort, 0.0) if value(a) == 0 else a
-    if a.op in ("neg", "abs", "convert", "*"):
+    if a.op in ("neg", "abs", "convert", "*", "sqrt"):
         inner = [unsigned(x) for x in a.args]
-        return {"neg": neg, "abs": size, "*": mul,
+        return {"neg": neg, "abs": size, "*": mul, "sqrt": root,
                 "convert": lambda x: convert(x, a.sort)}[a.op](*inner)
     if a.op == "/":
-        return div(unsigned(a.args[0]), a.args[1])
+        below = unsigned(a.args[1])
+        known = never_minus_zero(below) and never_minus_zero(a.args[1])
+        return div(unsigned(a.args[0]), below if known else a.args[1])
     if a.op == "+":
         x, y = sorted((unsigned(k) for k in a.args), key=lambda k: key_of(k).id)
         return neg(add(neg(x), neg(y))) if x.op == "neg" else add(x, y)
@@ -254,7 +264,10 @@ def unsigned_choice(condition, x, y):
             return size(x)
         if condition is less(x, const(x.sort, 0.0)):
             return neg(size(x))
-    return choose(condition, unsigned(x), unsigned(y))
+    x, y = unsigned(x), unsigned(y)
+    if x.op == "neg":
+        return neg(choose(condition, neg(x), unsigned(neg(y))))
+    return choose(condition, x, y)
 
 
 def key_of(a):

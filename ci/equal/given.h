@@ -115,6 +115,24 @@ struct device_levels {
     int top;
 };
 
+struct device_mutual {
+    int32_t contact;
+    real c;
+};
+
+#ifdef REF_COULOMB_H
+struct linked {
+    struct links s;
+    int32_t *end;
+    struct device_mutual *item;
+};
+#endif
+
+struct device_lists {
+    int64_t *word;
+    int32_t *rank, *any;
+};
+
 struct device_grid {
     int32_t m, n;
 };
@@ -142,6 +160,21 @@ static inline bool finite_reals(const real *a, int n)
     for (int k = 0; k < n; k++)
         good = good & (real_abs(a[k]) < R(INFINITY));
     return good;
+}
+
+static inline bool bounded_reals(const real *a, int n)
+{
+    bool good = true;
+    for (int k = 0; k < n; k++)
+        good = good & (real_abs(a[k]) <= R(0x1p20));
+    return good;
+}
+
+/* Whether two points differ along x, and by a number. */
+static inline bool differ_along_x(const vec *a)
+{
+    real d = a[1].x - a[0].x;
+    return (d != 0) & (real_abs(d) <= R(0x1p20));
 }
 
 /* Whether n indices are of items 0 … most - 1. */
@@ -205,6 +238,51 @@ static inline bool share_none(const int32_t *f, const int32_t *g)
             24) == 0 &&                                                        \
      (rule)[24] == 0)
 
+/* Whether the springs of 3 by 3 particles are these: all that the grid has room
+ * for, but for four. */
+#define SOME_SPRINGS(springs)                                                  \
+    (memcmp(springs, "\166\57\242\7\13\12\21\1", 8) == 0 && (springs)[8] == 0)
+
+/* Whether all springs of 5 by 5 particles are live but one. */
+#define ALL_LIVE(live)                                                         \
+    (memcmp(live,                                                              \
+            "\377\377\377\377\377\377\377\377\377\377\377\377"                 \
+            "\377\377\377\377\377\377\375\377\377\377\377\377",                \
+            24) == 0 &&                                                        \
+     (live)[24] == 0)
+
+/* Whether no law of springs is of pieces. */
+#define NO_PIECES(law)                                                         \
+    ((law)[0].pieces == 0 && (law)[1].pieces == 0 && (law)[2].pieces == 0 &&   \
+     (law)[3].pieces == 0 && (law)[4].pieces == 0 && (law)[5].pieces == 0 &&   \
+     (law)[6].pieces == 0 && (law)[7].pieces == 0)
+
+/* Whether none of n vertices is free. */
+static inline bool none_free(const real *w, const int32_t *v, int n)
+{
+    bool none = true;
+    for (int k = 0; k < n; k++)
+        none = none & !(w[v[k]] > 0);
+    return none;
+}
+
+/* Whether n items are of contacts 0 … n - 1. */
+static inline bool in_turn(const struct device_mutual *m, int n)
+{
+    bool good = true;
+    for (int k = 0; k < n; k++)
+        good = good & (m[k].contact == k);
+    return good;
+}
+
+/* Whether there is one vertex, free, which is all four of the only contact. */
+#define ONE_VERTEX(s)                                                          \
+    ((s)->n == 1 && (s)->nv == 1 && (s)->contact[0].v[0] == 0 &&               \
+     (s)->contact[0].v[1] == 0 && (s)->contact[0].v[2] == 0 &&                 \
+     (s)->contact[0].v[3] == 0 && (s)->w[0] > 0 &&                             \
+     (s)->contact[0].c[0] != 0 && (s)->contact[0].c[1] != 0 &&                 \
+     (s)->contact[0].c[2] != 0 && (s)->contact[0].c[3] != 0)
+
 /* The positions of four vertices at both ends of a step, as filter.c takes
  * them. */
 static inline void widen_points(const vec *x, double y[2][4][3])
@@ -214,6 +292,20 @@ static inline void widen_points(const vec *x, double y[2][4][3])
         y[k / 4][k % 4][1] = (double)x[k].y;
         y[k / 4][k % 4][2] = (double)x[k].z;
     }
+}
+
+/* The block of the edge that starts at column x and row y of tile o of
+ * those at t, as gpu/solve/tile.cuh lays a tile out. */
+static inline sym tile_block(const real *t, int o, int x, int y)
+{
+    enum {
+        WIDE = 35,
+        HIGH = REAL_BITS == 32 ? 19 : 11,
+        PLANE = 2 * WIDE * HIGH
+    };
+    const real *a = t + 6 * PLANE * o + WIDE * (2 * y + x % 2) + x / 2;
+    return (sym){a[0],         a[PLANE],     a[2 * PLANE],
+                 a[3 * PLANE], a[4 * PLANE], a[5 * PLANE]};
 }
 
 #endif

@@ -9,7 +9,8 @@ For each row of ci/equal/twins.def and both precisions, the PTX that nvcc makes 
 the device's side and the code that clang -O0 makes of the reference's are executed
 symbolically, and what they leave in memory is compared (compare.py). What
 spec/proofs.md records as proved must be proved. --quick: only what rewriting proves
-there, but for launches; the solver is not asked. --write: writes the tables of spec/proofs.md anew.
+there, but for launches and LONG rows; the solver is not asked. --write: writes the
+tables of spec/proofs.md anew.
 """
 import multiprocessing
 import os
@@ -116,7 +117,7 @@ def main(build, *options):
     twins = [t for t in every if not only or t.name in only]
     todo = [(t, bits) for t in twins for bits in widths
             if not quick or only
-            or (known.get((t.name, bits)) == "rewriting" and not t.shape)]
+            or (known.get((t.name, bits)) == "rewriting" and not t.long)]
     jobs = int((option(options, "--jobs") or [len(os.sched_getaffinity(0))])[0])
     results = [compile_all(build, [t for t, _ in todo], widths, jobs)]
     if not results[0]:

@@ -197,6 +197,8 @@ class Function(Machine):
             self.load(state, parts, args)
         elif kind == "st":
             self.store(state, parts, args)
+        elif kind == "atom" and parts[:2] == ["shared", "add"] and self.together:
+            self.count(state, sort_of(parts[-1]), args)
         elif kind == "mov" and "{" in rest:
             self.move_parts(state, sort_of(parts[-1]), args)
         else:
@@ -213,9 +215,19 @@ class Function(Machine):
         at = self.value(state, name, integers(64))
         if at.sort == integers(64):
             return at
+        return self.widened(at)
+
+    def widened(self, at):
+        """An address of shared memory in 64 bits. One that depends on a condition is the
+        choice of two."""
         of, constant = words.parts(at)
         result = words.const(64, signed(constant, 32))
         for term, factor in of.items():
+            if term.op == "choice" and factor == 1:
+                condition, *sides = term.args
+                wide = choose(condition, *map(self.widened, sides))
+                result = words.add(result, wide)
+                continue
             inner = term.args[0] if term.op == "cut" and term.args[1] == 0 else term
             known = factor == 1 and inner.sort == integers(64)
             wide = inner if known else words.extend_signed(term, 64)
@@ -256,6 +268,14 @@ class Function(Machine):
             base = self.place(state, name)
             to = words.add(base, words.const(64, byte + k * count))
             self.memory.store(state, to, floats.bits(new) if is_float(sort) else new)
+
+    def count(self, state, sort, args):
+        """An atomic sum in shared memory, in the order in which threads are executed."""
+        name, byte = self.address(state, args[1])
+        at = words.add(self.place(state, name), words.const(64, byte))
+        old = self.memory.load(state, at, width(sort) // 8)
+        state.regs[args[0]] = in_register(args[0], old, "u32")
+        self.memory.store(state, at, words.add(old, self.value(state, args[2], sort)))
 
     def move_parts(self, state, sort, args):
         """mov between a register and several that are its parts."""

@@ -11,7 +11,7 @@ import together
 import words
 from logic import choose
 from run import Memory, State, assume
-from term import TRUE, Unsupported, integers, is_float, leaf, make, width
+from term import FALSE, TRUE, Unsupported, integers, is_float, leaf, make, width
 
 SCALARS = {"int": 32, "int32_t": 32, "uint32_t": 32, "int64_t": 64, "uint64_t": 64,
            "unsigned": 32}
@@ -138,27 +138,52 @@ def size_at(side, byte):
     return bits // 8
 
 
+def mangled(word):
+    """The pattern of a template's argument in the name of a kernel: a number, or a type,
+    which may be of a precision and of a file."""
+    if word.isdigit():
+        return f"Li{word}E"
+    return rf"(?:N\d+_GLOBAL__N_\w*?)?(?:{len(word)}{word}|{len(word) + 3}{word}_\d\d)E?"
+
+
 def entry_of(file, twin):
     """The name in PTX of a kernel for one world."""
     plain, of = re.match(r"(\w+)(?:<([\w ]+)>)?", twin.device).groups()
-    inner = "".join(f"Li{word}E" if word.isdigit() else f"{len(word)}{word}"
-                    for word in (of or "").split())
-    part = f"{len(plain)}{plain}" + (f"I{inner}E" if of else "")
-    names = [n for n in file.functions if "one_kernel" in n and part in n
+    inner = "".join(map(mangled, (of or "").split()))
+    part = re.compile(rf"{len(plain)}{plain}" + (f"I{inner}E" if of else ""))
+    names = [n for n in file.functions if "one_kernel" in n and part.search(n)
              and "merged_kernel" not in n]
     if len(names) != 1:
         raise Unsupported(f"{len(names)} kernels of this name")
     return names[0]
 
 
-def hooks_of(twin, bits, item):
+def result(memory, count, stream, bits):
+    """A callee that returns the next of a stream of reals; count: where their number is."""
+    def called(machine, state, args):
+        del machine, args
+        n = memory.load(state, count, 4)
+        memory.store(state, count, words.add(n, words.const(32, 1)))
+        by = words.mul(words.extend(n, 64), words.const(64, bits // 8))
+        found = memory.load(state, words.add(stream, by), bits // 8)
+        return floats.number(found, f"f{bits}")
+    return called
+
+
+def hooks_of(twin, bits, item, memory, state):
     """What stands for functions of the reference."""
     group, hooks = twin.group, {}
+    for ref, stream in group.results.items():
+        count = memory.fresh("calls of " + ref)
+        memory.store(state, count, words.const(32, 0))
+        for end in ("", f"_{bits}"):
+            hooks[ref + end] = result(memory, count, leaf(stream, integers(64)), bits)
     for end in ("", f"_{bits}"):
         for ref, n in group.holes.values():
             hooks[ref + end] = hole(ref, min(n, 0))
         for ref, value in group.valid.items():
-            found = TRUE if value == "true" else words.const(32, int(value))
+            found = {"true": TRUE, "false": FALSE}.get(value)
+            found = found or words.const(32, int(value))
             hooks[ref + end] = lambda *_, found=found: found
         if twin.each:
             hooks[f"item of {re.search(r'([a-z_0-9]+)[(]', twin.ref)[1]}{end}"] = item
@@ -205,7 +230,7 @@ def question(build, twin, bits):
         name = function
         params, args = zip(*(argument(kind, n, bits) for kind, n in twin.params))
     given, args = TRUE, list(args)
-    hooks = hooks_of(twin, bits, args[-1])
+    hooks = hooks_of(twin, bits, args[-1], memory, start)
     if twin.given:
         whole = condition(twin, module, memory, args, start, hooks)
         fixed(memory, start, whole)

@@ -4,7 +4,7 @@ import dataclasses
 import os
 import re
 
-ROW = re.compile(r"\s*(FILES|HOLE|VALID|TWIN|KERNEL|EACH3|EACH|LAUNCH)(?=\()")
+ROW = re.compile(r"\s*(FILES|HOLE|VALID|RESULTS|TWIN|LONG|KERNEL|EACH3|EACH|LAUNCH)(?=\()")
 HEAD = "/* Written by ci/equal/table.py from ci/equal/twins.def. */\n"
 
 
@@ -12,7 +12,7 @@ HEAD = "/* Written by ci/equal/table.py from ci/equal/twins.def. */\n"
 class Twin:
     """A row of the table. device: a statement, or of a KERNEL row its name; params:
     (type, name); given: the precondition, or nothing; coordinates: a thread has one of
-    an item's three; group: the files it is in."""
+    an item's three; long: only make prove asks it; group: the files it is in."""
 
     stage: str
     name: str
@@ -24,6 +24,7 @@ class Twin:
     each: bool
     coordinates: bool
     shape: tuple
+    long: bool
     group: "Group" = None
 
 
@@ -32,13 +33,15 @@ class Group:
     """A FILES row: the twins of one device file and one reference file. holes: name
     of a device function to (name of the reference's, arguments that only the device
     has). valid: functions of the reference to what they return
-    where they find no fault in the input."""
+    where they find no fault in the input. results: functions of the reference to the
+    parameter that holds what their calls return."""
 
     device: str
     refs: list
     twins: list
     holes: dict
     valid: dict
+    results: dict
     number: int = 0
 
     @property
@@ -88,7 +91,7 @@ def twin_of(kind, parts, group):
     stage, name, *parts = parts
     shape = tuple(int(parts.pop(0)) for _ in range(2)) if kind == "LAUNCH" else ()
     params, *parts = parts
-    if kind == "TWIN":
+    if kind in ("TWIN", "LONG"):
         device = parts.pop(0)
     else:
         device, _, case = name.partition(":")
@@ -96,7 +99,8 @@ def twin_of(kind, parts, group):
             re.sub(r"<", "_", device).rstrip(">"))
     ref, *given = parts
     return Twin(stage, name, params_of(params), device, ref, given[0] if given else "",
-                kind != "TWIN", kind[:4] == "EACH", kind == "EACH3", shape, group)
+                kind not in ("TWIN", "LONG"), kind[:4] == "EACH", kind == "EACH3", shape,
+                kind == "LONG" or bool(shape), group)
 
 
 def read(path):
@@ -111,9 +115,11 @@ def read(path):
         parts, at = arguments(text, row.end())
         if row[1] == "FILES":
             number = sum(group.device == parts[0] for group in groups)
-            groups.append(Group(parts[0], parts[1:], [], {}, {}, number))
+            groups.append(Group(parts[0], parts[1:], [], {}, {}, {}, number))
         elif row[1] == "VALID":
             groups[-1].valid[parts[0]] = parts[1]
+        elif row[1] == "RESULTS":
+            groups[-1].results[parts[0]] = parts[1]
         elif row[1] == "HOLE":
             groups[-1].holes[parts[0]] = parts[1], int(parts[2])
         else:
