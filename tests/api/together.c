@@ -5,11 +5,38 @@
 #include "tests/panel/random.h"
 #include "tests/world/scene.h"
 
-enum { WORLDS = 9, PANEL = 7, STEPS = 6, CALLS = 2, EACH = STEPS / CALLS };
+enum {
+    WORLDS = 9,
+    PANEL = 7,
+    SEWN = 8,
+    ROWS = 32,
+    STEPS = 6,
+    CALLS = 2,
+    EACH = STEPS / CALLS
+};
+
+/* Holds the sides of a sheet as far apart as they are. */
+static void sew_sides(struct guest *s)
+{
+    static int32_t particle[ROWS], onto[ROWS][2];
+    static double part[ROWS];
+    static drape_seam seam;
+    int m = s->cloth.m, n = s->cloth.n;
+    for (int j = 0; j < n && j < ROWS; j++) {
+        particle[j] = m - 1 + m * j;
+        onto[j][0] = onto[j][1] = m * j;
+    }
+    seam = (drape_seam){.n = n,
+                        .particle = particle,
+                        .onto = (const int32_t(*)[2])onto,
+                        .part = part};
+    s->def.seams = &seam;
+    s->def.n_seams = 1;
+}
 
 /* Makes a world for each k: a sheet of one of two sizes that falls on a plate,
  * elsewhere for each k; one of an explicit integrator, one with block-Jacobi,
- * one on the reference, one a panel. */
+ * one on the reference, one a panel, one sewn to itself. */
 static int make(int k, struct guest *s, drape_world **world)
 {
     guest_make(s, k == 4 ? DRAPE_REF : DRAPE_GPU);
@@ -26,6 +53,8 @@ static int make(int k, struct guest *s, drape_world **world)
         random_panel(&b, &s->cloth, &panel);
         choices_free(&b);
     }
+    if (k == SEWN)
+        sew_sides(s);
     return drape_create(&s->def, world, NULL);
 }
 
