@@ -29,8 +29,8 @@ struct coulomb {
                       load its bound, 0: none; seam.md §2 */
     int64_t hinges; /* 0 … seams: the last of these have no multiplier;
                        seam.md §6 */
-    int knits;      /* 1: bound is without what seams hold together, which
-                       multigrid knows; sewn.md */
+    int knits;      /* 1: bound is without contacts of seams that move several
+                       vertices, as multigrid has these; sewn.md */
     int closes;     /* 1: N becomes the normal impulse of this call */
     int lists;      /* 1: the contacts are others than in the call before */
     struct contact *contact; /* [n] inout; carry.md has set them up */

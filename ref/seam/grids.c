@@ -72,8 +72,8 @@ static int interpolate(const struct shape *s, int32_t p, int32_t to[4],
     return n;
 }
 
-/* Which particles of a cloth's grid are there: on the finest those that the
- * outline leaves, on a coarser one those from which any interpolates. */
+/* Finds which particles of a cloth's grid are there: on the finest those that
+ * the outline leaves, on a coarser one those from which any interpolates. */
 static void fill_shape(const struct maker *a, int cloth, int grid)
 {
     const struct sheet *sheet = &a->w->sheet[cloth];
@@ -167,6 +167,8 @@ static int find_entries(const struct maker *a, int64_t source, struct entry *e)
     return n;
 }
 
+/* The row of a particle on the grid under way, which may be a new one: rows of
+ * the grids before have lower numbers. */
 static int32_t row_of(struct maker *a, const struct entry *e)
 {
     int32_t *at = &a->row_of[a->w->sheet[e->cloth].first + e->particle];

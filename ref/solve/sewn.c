@@ -54,7 +54,7 @@ static void each_cloth(const struct sewn *s, int k,
             part(&s->cloth[c].grid, s->cloth[c].l, k);
 }
 
-/* §2: what the links of row i of grid k answer to x. */
+/* §2: what the links of a row of grid k answer to x. */
 static vec row_answer(const struct sewn *s, int k, const struct sewn_row *row)
 {
     vec all = vec_make(0, 0, 0);
@@ -83,7 +83,7 @@ static struct wide_sym unfactored(sym f)
                               z + ((double)f.xz * xz + (double)f.yz * yz)}};
 }
 
-/* §3.2: what the links of a row add to its diagonal. */
+/* §3.2: the factors of a row's diagonal block with what its links add. */
 static void ground_row(const struct sewn *s, int k, const struct sewn_row *row)
 {
     struct sewn_cloth *c = &s->cloth[row->cloth];
@@ -228,8 +228,8 @@ static void answer_down(const struct sewn *s, int k)
     }
 }
 
-/* The same of the smoothing on the way up. The answers are to what was there
- * before it, and are found before it: in y, which smoothing does not need. */
+/* The same of the smoothing on the way up. The answers are to x before it, so
+ * they are found and kept before it. */
 static void answer_up(const struct sewn *s, int k)
 {
     EACH_MANY(s->row_at[k + 1] - s->row_at[k])

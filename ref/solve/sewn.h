@@ -37,9 +37,9 @@ struct sewn_place {
     int32_t group, first;
 };
 
-/* Links and rows of grid k are those at link_at[k] … link_at[k + 1] - 1, and
- * likewise; first and end count in of_link and of_row, whatever the grid. The
- * lists and scratch lie in the memory of the backend. */
+/* Links of grid k are those at link_at[k] … link_at[k + 1] - 1, and rows
+ * likewise; first and end of both count in of_link and of_row, whatever the
+ * grid. The lists and scratch lie in the memory of the backend. */
 struct sewn {
     int32_t depth; /* the last grid of each cloth, at least 1 */
     int64_t links, rows, terms;
