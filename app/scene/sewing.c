@@ -213,8 +213,12 @@ static int clear_start(struct sewing *s)
         for (int i = scene->garment_cloth[k]; i < scene->garment_cloth[k + 1];
              i++)
             moves[i] = !scene->garment_sewn[k];
-    int status = s->whole.allow_intersecting ? APP_OK : clear_panels(&c);
-    if (status != APP_OK || s->whole.allow_intersecting)
+    if (s->whole.allow_intersecting)
+        return APP_OK;
+    int status = lift_panels(s, moves);
+    if (status == APP_OK)
+        status = clear_panels(&c);
+    if (status != APP_OK)
         return status;
     tell_moves(s, &c);
     s->way = c.way;

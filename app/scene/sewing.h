@@ -62,8 +62,9 @@ struct sewing {
     const struct overrides *overrides;
     drape_def whole;    /* the scene's, of which each stage changes a part */
     drape_world *world; /* of the present stage */
-    double (*way)[3];   /* [cloths] m, by which panels were moved at the start,
-                           NULL: none was */
+    double *lift;       /* [cloths] m, by which panels were lifted at the start */
+    double (*way)[3];   /* [cloths] m, by which they were moved then, NULL: none
+                           was */
     int *by;            /* [cloths] the panel that moved it, -1: it stayed */
     enum sewing_stage stage;
     struct sewing_seam *seam; /* [whole.n_seams] */
@@ -106,6 +107,10 @@ int sewing_move(struct sewing *sewing);
 /* Counts the intersecting pairs of triangles that can collide, and those that
  * are sewn together. Returns app_exit. */
 int sewing_audit(struct sewing *sewing, int64_t *pairs, int64_t *sewn);
+/* Lifts the panels that may move to where the fewest of the straight ways of
+ * their seams around a limb go through a body: app/scene/lift.c. Returns
+ * app_exit. */
+int lift_panels(struct sewing *sewing, const bool *moves);
 /* Attachments, app/scene/hold.c. Adds the cloth of their anchors to the scene,
  * before a world is made of it; whether they begin now, in this stage; holds
  * what is to be held where it is now, in s->x; adds the seams of what is held

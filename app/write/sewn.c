@@ -122,10 +122,22 @@ static void put_frame(FILE *out, const struct sewing *s,
             row->open, row->waiting, row->pairs, row->sewn);
 }
 
-/* The panels that began in a body, and those that they pushed. */
+/* The panels that were lifted; those that began in a body, and those that they
+ * pushed. */
 static void put_moves(FILE *out, const struct sewing *s)
 {
     const char *comma = "";
+    fputs("  \"lifted_m\": {", out);
+    for (int k = 0; s->lift && k < s->whole.n_cloths; k++) {
+        if (s->lift[k] == 0)
+            continue;
+        fputs(comma, out);
+        text_put(out, s->scene->cloth_name[k]);
+        fprintf(out, ": %.6g", s->lift[k]);
+        comma = ", ";
+    }
+    fputs("},\n", out);
+    comma = "";
     fputs("  \"moved\": [", out);
     for (int k = 0; s->by && k < s->whole.n_cloths; k++) {
         const double *way = s->way[k];
