@@ -27,23 +27,43 @@ void gpu_unknowns_shift(struct gpu *g, const struct shift *s)
     LAUNCH(g, s->count, unknowns_shift_kernel, *s);
 }
 
-/* The impulses of the contacts of a vertex that struck it. */
+/* What the contacts of a vertex push: those that struck it, in sum; and the
+ * sizes of these pushes, and of all. */
+struct struck {
+    vec push;
+    real part, all;
+};
+
+static __device__ inline struck list_add(struck a, struck b)
+{
+    return {add(a.push, b.push), a.part + b.part, a.all + b.all};
+}
+
+static __device__ inline real *numbers(struck *a)
+{
+    return &a->push.x;
+}
+
 struct unknowns_struck {
     struct jumps s;
     const int32_t *start;
     __device__ int32_t end(int64_t i) const { return start[i + 1]; }
-    __device__ vec value(int32_t at) const
+    __device__ struck value(int32_t at) const
     {
         int32_t item = s.item[at];
         const struct contact *c = &s.contact[item / 4];
-        bool struck = c->impulse > 0 && s.kept[item / 4].lambda == 0;
+        real weight = c->c[item % 4];
+        real size = c->impulse > 0 ? magnitude(weight) * c->impulse : 0;
+        if (!(size > 0 && s.kept[item / 4].lambda == 0))
+            return {make(0, 0, 0), 0, size};
         vec push = axpy(c->tangent, c->impulse, c->n);
-        return struck ? scale(c->c[item % 4], push) : make(0, 0, 0);
+        return {scale(weight, push), size, size};
     }
-    __device__ vec first(int64_t) const { return make(0, 0, 0); }
-    __device__ void done(int64_t i, vec sum) const
+    __device__ struck first(int64_t) const { return {make(0, 0, 0), 0, 0}; }
+    __device__ void done(int64_t i, struck sum) const
     {
-        s.push[i] = s.w[i] > 0 ? sum : make(0, 0, 0);
+        real part = s.w[i] > 0 && sum.part > 0 ? sum.part / sum.all : 0;
+        s.push[i] = part > 0 ? axpy(sum.push, -part, s.left[i]) : make(0, 0, 0);
     }
 };
 

@@ -614,6 +614,7 @@ static void take_jump(struct loop *s, const struct retain *r)
                       .kept = r->kept,
                       .start = a->law.start,
                       .item = a->law.item,
+                      .left = a->law.inner,
                       .push = a->jump};
     w->run->unknowns_jump(w->on, &m);
     if (!(dot_streams(s, a->jump, a->jump, NULL) > 0) || !loop_continues(s))

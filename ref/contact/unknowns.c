@@ -80,20 +80,34 @@ void ref_unknowns_shift(struct gpu *on, const struct shift *s)
     }
 }
 
+/* Adds what contacts push particle i: those that struck it. Returns the part
+ * that these have of what all of them push, by size. */
+static real add_struck(const struct jumps *s, int64_t i, vec *push)
+{
+    real part = 0, all = 0;
+    for (int32_t k = s->start[i]; k < s->start[i + 1]; k++) {
+        int64_t at = s->item[k] / 4;
+        const struct contact *c = &s->contact[at];
+        real weight = c->c[s->item[k] % 4];
+        real size = c->impulse > 0 ? real_abs(weight) * c->impulse : 0;
+        all += size;
+        if (!(size > 0 && s->kept[at].lambda == 0))
+            continue;
+        part += size;
+        *push = vec_axpy(*push, weight, vec_axpy(c->tangent, c->impulse, c->n));
+    }
+    return part > 0 ? part / all : 0;
+}
+
 void ref_unknowns_jump(struct gpu *on, const struct jumps *s)
 {
     (void)on;
     EACH_ITEM
     for (int64_t i = 0; i < s->count; i++) {
-        vec sum = vec_make(0, 0, 0);
-        for (int32_t k = s->start[i]; k < s->start[i + 1]; k++) {
-            int64_t at = s->item[k] / 4;
-            const struct contact *c = &s->contact[at];
-            if (c->impulse > 0 && s->kept[at].lambda == 0)
-                sum = vec_axpy(sum, c->c[s->item[k] % 4],
-                               vec_axpy(c->tangent, c->impulse, c->n));
-        }
-        s->push[i] = s->w[i] > 0 ? sum : vec_make(0, 0, 0);
+        vec push = vec_make(0, 0, 0);
+        real part = s->w[i] > 0 ? add_struck(s, i, &push) : 0;
+        s->push[i] =
+            part > 0 ? vec_axpy(push, -part, s->left[i]) : vec_make(0, 0, 0);
     }
 }
 

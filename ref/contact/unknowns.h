@@ -27,7 +27,9 @@ struct jumps {
     const struct contact *contact; /* [n] */
     const struct kept *kept;       /* [n] of stage retain: 0 where it struck */
     const int32_t *start, *item;   /* their lists, of stage coulomb */
-    vec *push; /* out: [count] N·s, the impulse of contacts that struck it */
+    const vec *left; /* [count] N·s, what these impulses leave undone */
+    vec *push; /* out: [count] N·s, the impulse of contacts that struck it,
+                  without their part of what is left */
 };
 
 /* Takes the streams of w->lagrange. DRAPE_OK or DRAPE_ENOMEM. */
