@@ -21,9 +21,10 @@ import time
 # longest parts start first.
 PARTS = {
     "build": ("what the parts share: library, tool, tests, oracles", 90),
-    "tests": ("each stage's properties and oracles, the API", 1670),
+    "tests-32": ("each stage's properties and oracles, the API, in binary32", 800),
     "python": ("the Python package, its pages and its site", 800),
     "asan": ("scenes and stages under AddressSanitizer and UBSan", 560),
+    "tests-64": ("the same in binary64", 500),
     "clang-O0": ("the same bits by clang -O0, kernels too", 260),
     "gcc-O0": ("the same bits by gcc -O0, kernels too", 230),
     "tsan": ("whole scenes under ThreadSanitizer", 100),

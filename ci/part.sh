@@ -133,7 +133,7 @@ validate)
     mkdir -p "$build/validation"
     with_package "$build/validate" --quick "$build/validation"
     ;;
-tests) count "$build/check" --tests ;;
+tests-32 | tests-64) count "$build/check" --bits "${part#tests-}" --tests ;;
 golden-1) count "$build/check" --golden tests/golden/stages.txt ;;
 golden-3)
     count env OMP_NUM_THREADS=3 \

@@ -97,7 +97,8 @@ static void run_tests(void)
 {
     for (int k = 0; k < 2; k++)
         for (const struct test *t = tests(k); t->name; t++) {
-            if (!wanted(t->name))
+            if (!wanted(t->name) ||
+                (options.bits && options.bits != bits_of[k]))
                 continue;
             tally = (struct tally){0};
             const char *what = t->run();
@@ -225,11 +226,12 @@ static int usage(void)
 {
     fputs("usage: check [--only NAME] [--cases N] [--seed N] [--ranks N] "
           "[--hosted] [--plain]\n"
-          "             MODE...\n"
+          "             [--bits 32|64] MODE...\n"
           "  --stages        every stage on generated inputs\n"
           "  --gpu           every stage on the device, against the reference\n"
           "  --certify DIR   rows of a certificate; DIR: the fuzz corpora\n"
-          "  --tests         every test of tests/tests.def\n"
+          "  --tests         every test of tests/tests.def, --bits: in one "
+          "precision\n"
           "  --self-test     planted faults must be caught\n"
           "  --golden FILE   --stages, against recorded hashes\n"
           "  --golden-write FILE\n"
@@ -272,6 +274,8 @@ static int obey(const char *a, const char *value, bool modes)
         options.only = value;
     else if (!strcmp(a, "--cases"))
         options.cases = atoi(value);
+    else if (!strcmp(a, "--bits"))
+        options.bits = atoi(value);
     else if (!strcmp(a, "--seed"))
         options.seed = strtoull(value, NULL, 10);
     else if (!strcmp(a, "--ranks"))

@@ -12,6 +12,7 @@ extern const int bits_of[2];
 struct options {
     const char *only; /* one stage or test, or NULL */
     int cases;        /* for each size */
+    int bits;         /* 32 or 64: tests of this precision alone; 0: of both */
     uint64_t seed;
     int ranks;   /* blocks of a cluster on the device, at most; 0: its limit */
     bool hosted; /* loops on the device are ended by the host */
