@@ -20,8 +20,8 @@ WERROR ?= $(if $(CI),-Werror)
 WARN   := -Wall -Wextra -Wpedantic $(WERROR)
 # The number model (spec/README.md §1): no contraction, no reassociation.
 MODEL  := -ffp-contract=off -fno-math-errno -fno-fast-math
-COMMON  = $(OPT) $(CPPFLAGS) $(CFLAGS) $(WARN) $(MODEL) $(OPENMP) $(SAN) $(DEFINES) -I. -Ispec \
-          -I$(BUILD) -MMD -MP -fPIC
+COMMON  = $(OPT) $(LESS) $(CPPFLAGS) $(CFLAGS) $(WARN) $(MODEL) $(OPENMP) $(SAN) \
+          $(DEFINES) -I. -Ispec -I$(BUILD) -MMD -MP -fPIC
 # A command is shown as a short line, `CC app/tool/run.c`; V=1 shows it whole, -s not.
 MUTE   := $(findstring s,$(firstword -$(MAKEFLAGS)))
 show    = $(if $(V),,@$(if $(MUTE),,echo '$(1)';) )
@@ -54,7 +54,8 @@ CUDA_L  = -L$(dir $(realpath $(NVCC)))../lib64 -lcudart_static -lstdc++ \
 # (below). C++14, as after it math.h alone takes as long to compile as a file of
 # kernels. What C's functions return is incomplete in files that do not call them:
 # clang warns.
-EMU_OPT = $(OPT:-O2=-O1)
+EMU_LEVEL = $(OPT:-O2=-O1)
+EMU_OPT = $(EMU_LEVEL)
 EMU     = $(call by,CXX)$(CXX) -x c++ -std=gnu++17 $(EMU_OPT) -Wall -Wextra $(WERROR) \
           -Wno-return-type-c-linkage $(MODEL) -I. -Ispec -I$(BUILD) -MMD -MP -fPIC
 
@@ -147,6 +148,7 @@ $(NAMES): ci/names.sh FORCE
 
 # Tests take longer to compile than to run. One that no table runs is told of.
 $(BUILD)/tests/%.o: OPT := -O1
+$(BUILD)/tests/%.o: LESS = $(TEST_LEVEL)
 $(BUILD)/tests/%.o: WARN += -Wmissing-prototypes
 # The library's loops run on its own threads, which sleep while they wait, as
 # OpenMP's need not: what the compilers call is renamed by ref/base/threads.syms.
