@@ -120,7 +120,7 @@ asan)
     ok 'whole scenes, 2 threads' whole --threads 2
     ok 'stages' "$build/check" --cases 1 --stages --self-test \
         ${kernels:+--gpu}
-    [ ! -x "$build/drape" ] || ok tool sh tests/app.sh "$build/drape"
+    [ ! -x "$build/drape" ] || ok tool sh tests/app.sh "$build/drape" brief
     ;;
 tsan)
     ok 'two threads of the caller, with worlds of four threads' \

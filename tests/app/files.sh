@@ -244,32 +244,6 @@ grep '^not ok' defaults
 passed=$((passed + ${line%% *}))
 failed=$((failed + $(echo "$line" | cut -d' ' -f3)))
 
-# The tables of the paper's figures, made from a very small scene.
-is 'runs for the tables' sh -c 'cd "$1" && SCENES=tiny CONTACT=sphere \
-    FRAMES=6 SHORT=4 EVERY=2 STEPS=1 THREADS="1 2" BACKEND=ref sh bench/scenes.sh \
-    "${2%/*}" "$3/bench"' sh "$root" "$drape" "$work"
-is 'tables of them' python3 "$root/bench/tables.py" bench/results tables
-cp "$root/bench/steps.csv" .
-is 'rows of them' python3 "$root/bench/steps.py" --file steps.csv add mine card \
-    bench/results/*.ours.json bench/results/*.ours.json
-is 'a row a scene, once' sh -c '[ $(grep -c ",mine,.*,card,.*,2\$" steps.csv) -eq \
-    $(ls bench/results/*.ours.json | wc -l) ]'
-is 'a tree beside itself' sh -c 'python3 "$1" --file steps.csv mine min | tail -n 1 |
-    grep -q "1.00   1.00   1.00$"' sh "$root/bench/steps.py"
-is 'steps of frames 5 and 6 by the reference, the same' sh -c \
-    '[ "$(cut -d, -f1-4,8 tables/figure12.csv | tr "\n" " ")" = "scene,from \
-step,steps,threads,same counts and energies tiny,5,1,1,yes tiny,5,1,2,yes " ]'
-is 'the paper beside them' grep -q '^scene.*GTX 680' tables/figure8.csv
-is 'scenes of contact in a table of their own' sh -c \
-    '[ "$(cut -d, -f1,4,5,21,22 tables/contact.csv | tail -n 1)" = "sphere,6,6,4,0" ] &&
-    ! grep -q sphere tables/figure8.csv && grep -q "^## Contact" tables/tables.md'
-is 'what a step took' grep -q ',ref,....-..-..,.*,32,' tables/speed.csv
-exits 'a plan by it' 0 plan tiny.json --speed tables/speed.csv
-is 'plots are XML' python3 -c '
-import xml.dom.minidom
-for k in range(8, 13):
-    xml.dom.minidom.parse("tables/figure%d.svg" % k)'
-
 for json in "$root"/app/scenes/*.json; do
     name=$(basename "$json" .json)
     case $name in

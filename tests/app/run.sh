@@ -155,7 +155,7 @@ r = json.load(open("coarse/report.json"))
 assert r["steps_per_frame"] == 1 and 0 < r["error"]["estimated"] <= 0.05
 assert r["settings"]["integrator"] == "baraff-witkin"'
 is 'what it chooses and estimates is what other runs say' \
-    python3 "$root/tests/app/errors.py" "$drape"
+    python3 "$root/tests/app/errors.py" "$drape" $brief
 exits '--error that no setting keeps' 1 run tiny.json --error 1e-9 --out refused
 is 'what the finest has is said' grep -Eqx \
     'drape: --error 1e-09: not reached; the finest setting, dt 0.00013 s, has 0.000[0-9]+ m' err

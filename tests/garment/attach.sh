@@ -168,16 +168,18 @@ def low(k):
 assert eval("(" + sys.argv[1] + ")"), (low(0), low(worn), low(last))
 EOT
 }
-wide 1
-hang 'a skirt that fits, unheld' 0 wide.json --body walk/body.ply --cell 0.06 \
-    --frames 130 --attach none
-is 'holds by friction' low 'abs(low(last) - low(worn)) < 0.001 and low(last) > 1.05'
-wide 1.3
-hang 'one that is too wide' 0 wide.json --body walk/body.ply --cell 0.06 \
-    --frames 130 --attach none
-is 'falls off' low 'low(last) < 0.5'
-hang 'and held of itself' 0 wide.json --body walk/body.ply --cell 0.06 --frames 130
-is 'it stays' low 'abs(low(last) - low(worn)) < 1e-4 and low(last) > 1.05'
+if [ -z "$brief" ]; then
+    wide 1
+    hang 'a skirt that fits, unheld' 0 wide.json --body walk/body.ply --cell 0.06 \
+        --frames 130 --attach none
+    is 'holds by friction' low 'abs(low(last) - low(worn)) < 0.001 and low(last) > 1.05'
+    wide 1.3
+    hang 'one that is too wide' 0 wide.json --body walk/body.ply --cell 0.06 \
+        --frames 130 --attach none
+    is 'falls off' low 'low(last) < 0.5'
+    hang 'and held of itself' 0 wide.json --body walk/body.ply --cell 0.06 --frames 130
+    is 'it stays' low 'abs(low(last) - low(worn)) < 1e-4 and low(last) > 1.05'
+fi
 refused 'a label that no edge has' 'halves.json has the label "lower_interfase"; did you mean "lower_interface"?' \
     sew halves.json --cell 0.02 --attach lower_interfase --out refused
 refused 'one that is like none' 'one has "lower_interface"' \

@@ -90,10 +90,12 @@ echo '{"frames": 400, "obstacles": [{"shape": "plane"}], "garments":
     [{"pattern": "halves.json", "cell": 0.02, "at": [0, 0.05, 0]}]}' >floor.json
 exits 'what is sewn above a floor' 0 sew floor.json --no-picture --out floor
 is 'comes to rest on it' grep -q 'at rest; 1 of 1 seams closed; 0 pairs' out
-cp "$root/app/patterns/bag.json" .
-sed 's/"cell": 0.01/"cell": 0.02/' "$root/app/patterns/hung.json" >hung.json
-exits 'a bag hangs on a rail' 0 sew hung.json --no-picture --out rail
-is 'by its handles, at rest' grep -q 'at rest; 7 of 7 seams closed; 0 pairs' out
+if [ -z "$brief" ]; then
+    cp "$root/app/patterns/bag.json" .
+    sed 's/"cell": 0.01/"cell": 0.02/' "$root/app/patterns/hung.json" >hung.json
+    exits 'a bag hangs on a rail' 0 sew hung.json --no-picture --out rail
+    is 'by its handles, at rest' grep -q 'at rest; 7 of 7 seams closed; 0 pairs' out
+fi
 # a band across the ends of their seam, by which both are gathered to four fifths
 halves '
 pattern["stitches"] = [[{"panel": "left", "edge": 1}, {"panel": "right", "edge": 3}],
@@ -184,10 +186,12 @@ with open("ball/frames/cloth_0059.ply", "rb") as file:
 print(*(round(min(abs(y) for _, y, _ in x[126 * k:126 * k + 126]), 3) for k in range(4)))
 EOT
 }
-bands 0 4
-is 'without friction bands slip on a ball' awk '{ exit !($1 > 0.05 && $3 > 0.05) }' height
-bands 1 4
-is 'which the friction of a body keeps them from' awk '{ exit !($1 < 0.04 && $3 < 0.04) }' height
+if [ -z "$brief" ]; then
+    bands 0 4
+    is 'without friction bands slip on a ball' awk '{ exit !($1 > 0.05 && $3 > 0.05) }' height
+    bands 1 4
+    is 'which the friction of a body keeps them from' awk '{ exit !($1 < 0.04 && $3 < 0.04) }' height
+fi
 bands 0 6
 is 'nor do they leave what they will be sewn to' awk '{ exit !($1 < 0.04 && $3 < 0.04) }' height
 sed 's/0.14/0.15/; s/60/90/; s/"friction": 0/&.3/' ball.json >tight.json
