@@ -43,13 +43,14 @@ def argument(kind, name, bits):
 
 
 def kernel_arguments(twin, module, memory, function, state):
-    """The same of a kernel, whose arguments are one struct in memory, and the item."""
+    """The same of a kernel, whose arguments are one struct in memory, and the item. The
+    struct holds the first argument and a struct of the others (gpu/run/kernel.cuh)."""
     base, at, held = leaf("args", integers(64)), 0, []
     params = llvm.Function(module, function, memory).params
-    for (kind, _), (_, of, _) in zip(twin.params, params):
-        by_reference = kind.startswith("struct ") and "*" not in kind
-        inner = of[1] if by_reference else of
-        align = module.align(inner)
+    kinds = [kind.startswith("struct ") and "*" not in kind for kind, _ in twin.params]
+    types = [of[1] if by else of for by, (_, of, _) in zip(kinds, params)]
+    for k, (by_reference, inner) in enumerate(zip(kinds, types)):
+        align = max(map(module.align, types[k:]))
         at = -(-at // align) * align
         there = words.add(base, words.const(64, at))
         at += module.size(inner)
