@@ -56,14 +56,57 @@ def never_negative(term, known):
     return known[term.id]
 
 
+def is_difference(term):
+    """Whether a term is the sum or the difference of two inputs."""
+    def is_input(part):
+        while part.op in ("neg", "convert"):
+            part = part.args[0]
+        return part.op == "number"
+    return is_float(term.sort) and term.op == "+" and all(map(is_input, term.args))
+
+
+def is_arithmetic(term):
+    """Whether a term is a product, a quotient, a root, or a sum but of inputs."""
+    return (is_float(term.sort) and term.op in ("+", "*", "/", "sqrt")
+            and not is_difference(term))
+
+
+def nearest(roots):
+    """The terms that the roots are made of down to sums, products, quotients and roots,
+    operands first."""
+    seen, out = set(), []
+    stack = [(r, False) for r in roots]
+    while stack:
+        term, done = stack.pop()
+        if done:
+            out.append(term)
+        elif term.id not in seen:
+            seen.add(term.id)
+            stack.append((term, True))
+            if not is_arithmetic(term):
+                stack += [(k, False) for k in kids(term)]
+    return out
+
+
+def of_these(given, terms):
+    """The parts of a condition that are made of these terms and constants."""
+    known = {t.id for t in terms}
+    parts = given.args if given.op == "and" else (given,)
+    return [part for part in parts if all(
+        t.id in known for t in nearest([part])
+        if is_arithmetic(t) or t.op in ("leaf", "number"))]
+
+
 class Script:
     """The definitions of terms in SMT-LIB, with what is known of the functions that
-    are uninterpreted."""
+    are uninterpreted. whole: what sums, products, quotients and roots are made of is
+    known; else each is a number of which nothing is known but these laws."""
 
-    def __init__(self, roots):
+    def __init__(self, roots, whole=True):
         self.names, self.functions, self.lines = {}, {}, []
         self.positive, self.users, self.products = {}, {}, {}
-        terms = order(roots)
+        self.whole = whole
+        terms = order(roots) if whole else nearest(roots)
         for term in terms:
             for k in kids(term):
                 self.users.setdefault(k.id, set()).add(term.id)
@@ -97,6 +140,9 @@ class Script:
             name = f"(_ bv{term.args[0]} {term.sort[1]})"
         elif op == "leaf" or (op == "number" and self.is_input(term)):
             self.lines.append(f"(declare-const {name} {kind(term.sort)})")
+        elif not self.whole and is_arithmetic(term):
+            self.lines.append(f"(declare-const {name} {kind(term.sort)})")
+            self.signs(term, name)
         elif op == "bits":
             self.lines.append(f"(declare-const {name} {kind(term.sort)})")
             self.lines.append(f"(assert (= ((_ to_fp {FORMAT[term.args[0].sort]}) "
@@ -158,11 +204,22 @@ class Script:
             self.bound(inner, sort[1], name)
         if not is_float(sort) or op not in ("+", "*", "/", "sqrt"):
             return
-        zero = constant(floats.const(sort, 0.0))
         inner = [self.names[k.id] for k in kids(term)]
         if op in ("+", "*") and term.args[0] is not term.args[1]:
             swapped = self.text(term, inner[::-1])
             self.lines.append(f"(assert (= {swapped} {name}))")
+        if is_difference(term):
+            zero, (x, y) = constant(floats.const(sort, 0.0)), inner
+            self.lines += [
+                f"(assert (= (fp.lt {zero} {name}) (fp.lt (fp.neg {x}) {y})))",
+                f"(assert (= (fp.lt {name} {zero}) (fp.lt {y} (fp.neg {x}))))",
+                f"(assert (= (fp.isNaN {name}) (or (fp.isNaN {x}) (fp.isNaN {y}) "
+                f"(and (fp.isInfinite {x}) (= {x} (fp.neg {y}))))))"]
+        self.signs(term, name)
+
+    def signs(self, term, name):
+        """That a number is never negative, where its shape shows it."""
+        zero = constant(floats.const(term.sort, 0.0))
         if never_negative(term, self.positive):
             self.lines.append(f"(assert (not (fp.lt {name} {zero})))")
 
@@ -197,14 +254,25 @@ def ask(text, seconds):
     return result
 
 
-def are_equal(a, b, given, seconds=10):
-    """Whether two terms are equal for all inputs for which `given` holds; False where
-    they are not, or where the solver does not know."""
-    if bitwuzla is None:
-        raise Unsupported("bitwuzla is not installed")
-    script = Script([a, b, given])
+def none_differs(a, b, given, whole, seconds):
+    """Whether the solver finds that no input that meets all conditions tells two terms
+    apart."""
+    script = Script([a, b, *given], whole)
     names = script.names
     text = ["(set-logic ALL)", *script.functions.values(), *script.lines,
-            f"(assert {names[given.id]})",
+            *(f"(assert {names[part.id]})" for part in given),
             f"(assert (not (= {names[a.id]} {names[b.id]})))"]
     return ask("\n".join(text), seconds) == "unsat"
+
+
+def are_equal(a, b, given, seconds=10):
+    """Whether two terms are equal for all inputs for which `given` holds; False where
+    they are not, or where the solver does not know. What is equal whatever its sums and
+    products are is found soon."""
+    if bitwuzla is None:
+        raise Unsupported("bitwuzla is not installed")
+    terms = nearest([a, b])
+    if any(map(is_arithmetic, terms)) and none_differs(
+            a, b, of_these(given, terms), False, seconds / 4):
+        return True
+    return none_differs(a, b, [given], True, seconds)
