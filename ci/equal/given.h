@@ -37,6 +37,14 @@ struct device_level {
     const int32_t *go;
 };
 
+/* A cloth's grid in the cycle of sewn cloths. */
+struct device_cloth {
+    struct device_level l;
+    real damping;
+    real *item;
+    int32_t awake;
+};
+
 /* Sources and ends of its products. */
 struct device_plain {
     const vec *x;
@@ -127,6 +135,11 @@ struct linked {
     struct device_mutual *item;
 };
 #endif
+
+struct device_items {
+    real *part;
+    uint8_t *what;
+};
 
 struct device_lists {
     int64_t *word;
@@ -275,6 +288,17 @@ static inline bool in_turn(const struct device_mutual *m, int n)
     return good;
 }
 
+/* Whether of the grids number 1 of two cloths the first sleeps, and the second
+ * is of 5 by 5 particles, with a grid of 3 by 3 below. */
+#define ONE_AWAKE(cloth)                                                       \
+    (CLOTH_AT(cloth, 3) != 0 && CLOTH_AT(cloth, 2)->awake == 0 &&              \
+     CLOTH_AT(cloth, 3)->awake == 1 && CLOTH_AT(cloth, 3)->l.m == 5 &&         \
+     CLOTH_AT(cloth, 3)->l.n == 5 && CLOTH_AT(cloth, 3)->l.count == 25 &&      \
+     CLOTH_AT(cloth, 5)->l.m == 3 && CLOTH_AT(cloth, 5)->l.n == 3 &&           \
+     CLOTH_AT(cloth, 5)->l.count == 9 &&                                       \
+     SOME_RULES(CLOTH_AT(cloth, 3)->l.rule))
+#define CLOTH_AT(cloth, k) ((const struct device_cloth *)(cloth) + (k))
+
 /* Whether there is one vertex, free, which is all four of the only contact. */
 #define ONE_VERTEX(s)                                                          \
     ((s)->n == 1 && (s)->nv == 1 && (s)->contact[0].v[0] == 0 &&               \
@@ -293,6 +317,43 @@ static inline void widen_points(const vec *x, double y[2][4][3])
         y[k / 4][k % 4][2] = (double)x[k].z;
     }
 }
+
+#ifdef ERROR_FORM
+/* Whether the forms of two edges that ref/narrow/filter.c makes of f, g and h
+ * are finite, as they are within its RANGE. */
+static inline bool finite_forms(const double *f)
+{
+    struct motion m;
+    struct forms s;
+    memcpy(m.f, f, sizeof m.f);
+    m.count = 4;
+    for (int k = 0; k < 3; k++)
+        cross_forms(&m.f[1], &m.f[2], k, s.q[0][k]);
+    make_forms(&m, &s);
+    return finite_doubles(&s.q[0][0][0], 36);
+}
+#endif
+
+#ifdef VISIT_LIMIT
+/* Whether 12 forms, or a cubic, are finite on [a, b]. */
+static inline bool finite_on(const double *q, double a, double b)
+{
+    bool good = true;
+    for (int k = 0; k < 12; k++) {
+        double c[3];
+        restrict_form(q + 3 * k, a, b, c);
+        good = good & finite_doubles(c, 3);
+    }
+    return good;
+}
+
+static inline bool finite_cubic(const double *v, double a, double b)
+{
+    double c[4];
+    restrict_cubic(v, a, b, c);
+    return finite_doubles(c, 4);
+}
+#endif
 
 /* The block of the edge that starts at column x and row y of tile o of
  * those at t, as gpu/solve/tile.cuh lays a tile out. */
