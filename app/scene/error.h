@@ -14,7 +14,7 @@ struct estimate {
 };
 
 /* Sets the scene's integrator, dt, steps a frame and tolerance. The settings of
- * app/scene/error.c are tried, from the cheapest one that is meant for this
+ * app/tool/error.c are tried, from the cheapest one that is meant for this
  * error on (spec/accuracy.md §9), for the whole of the run. The measured error
  * is that of time stepping and of the solver alone. Where no setting holds to
  * the end, the horizon is shorter than the run. APP_OK; APP_FINDINGS after one

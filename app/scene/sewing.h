@@ -62,10 +62,10 @@ struct sewing {
     const struct overrides *overrides;
     drape_def whole;    /* the scene's, of which each stage changes a part */
     drape_world *world; /* of the present stage */
-    double *lift;       /* [cloths] m, by which panels were lifted at the start */
-    double (*way)[3];   /* [cloths] m, by which they were moved then, NULL: none
-                           was */
-    int *by;            /* [cloths] the panel that moved it, -1: it stayed */
+    double *lift;     /* [cloths] m, by which panels were lifted at the start */
+    double (*way)[3]; /* [cloths] m, by which they were moved then, NULL: none
+                         was */
+    int *by;          /* [cloths] the panel that moved it, -1: it stayed */
     enum sewing_stage stage;
     struct sewing_seam *seam; /* [whole.n_seams] */
     struct sewing_hold *hold; /* [holds] */
