@@ -27,16 +27,17 @@ void gpu_unknowns_shift(struct gpu *g, const struct shift *s)
     LAUNCH(g, s->count, unknowns_shift_kernel, *s);
 }
 
-/* What the contacts of a vertex push: those that struck it, in sum; and the
- * sizes of these pushes, and of all. */
+/* What contacts push a particle: those that struck it, and all; and the sizes
+ * of these pushes. */
 struct struck {
-    vec push;
-    real part, all;
+    vec push, all;
+    real part, whole;
 };
 
 static __device__ inline struck list_add(struck a, struck b)
 {
-    return {add(a.push, b.push), a.part + b.part, a.all + b.all};
+    return {add(a.push, b.push), add(a.all, b.all), a.part + b.part,
+            a.whole + b.whole};
 }
 
 static __device__ inline real *numbers(struck *a)
@@ -53,17 +54,22 @@ struct unknowns_struck {
         int32_t item = s.item[at];
         const struct contact *c = &s.contact[item / 4];
         real weight = c->c[item % 4];
+        vec none = make(0, 0, 0);
+        vec push = scale(weight, axpy(c->tangent, c->impulse, c->n));
         real size = c->impulse > 0 ? magnitude(weight) * c->impulse : 0;
-        if (!(size > 0 && s.kept[item / 4].lambda == 0))
-            return {make(0, 0, 0), 0, size};
-        vec push = axpy(c->tangent, c->impulse, c->n);
-        return {scale(weight, push), size, size};
+        bool is = c->impulse > 0 && s.kept[item / 4].lambda == 0;
+        return {is ? push : none, push, is ? size : 0, size};
     }
-    __device__ struck first(int64_t) const { return {make(0, 0, 0), 0, 0}; }
+    __device__ struck first(int64_t) const
+    {
+        return {make(0, 0, 0), make(0, 0, 0), 0, 0};
+    }
     __device__ void done(int64_t i, struck sum) const
     {
-        real part = s.w[i] > 0 && sum.part > 0 ? sum.part / sum.all : 0;
-        s.push[i] = part > 0 ? axpy(sum.push, -part, s.left[i]) : make(0, 0, 0);
+        vec undone = add(s.rest[i], sum.all);
+        real part = sum.part > 0 ? sum.part / sum.whole : 0;
+        s.push[i] = s.w[i] > 0 && part > 0 ? axpy(sum.push, -part, undone)
+                                           : make(0, 0, 0);
     }
 };
 

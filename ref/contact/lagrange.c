@@ -525,6 +525,16 @@ static real bound_end(struct loop *s, real enough)
     return real_min(enough, UNDONE * s->carried);
 }
 
+/* §5: what contacts are in balance with at the end, until the jump replaces it:
+ * by linear springs, where these have served the slice. */
+static void keep_rest(struct loop *s)
+{
+    const struct lagrange *a = s->a;
+    if (a->jump && loop_continues(s))
+        s->w->run->copy(s->w->on, a->jump, a->rest,
+                        (size_t)s->w->nc * sizeof *a->jump);
+}
+
 /* §3: false where the loop ends. */
 static bool iterate_loop(struct loop *s)
 {
@@ -543,8 +553,10 @@ static bool iterate_loop(struct loop *s)
         if (!last)
             return loop_continues(s);
     }
-    if (done || last)
+    if (done || last) {
+        keep_rest(s);
         return needs_linearisation(s);
+    }
     if (measure_residual(s, a->law.inner) <= NESTED * s->outer)
         evaluate_contacts(s, false, true);
     if (loop_continues(s))
@@ -614,7 +626,7 @@ static void take_jump(struct loop *s, const struct retain *r)
                       .kept = r->kept,
                       .start = a->law.start,
                       .item = a->law.item,
-                      .left = a->law.inner,
+                      .rest = a->jump,
                       .push = a->jump};
     w->run->unknowns_jump(w->on, &m);
     if (!(dot_streams(s, a->jump, a->jump, NULL) > 0) || !loop_continues(s))

@@ -80,23 +80,32 @@ void ref_unknowns_shift(struct gpu *on, const struct shift *s)
     }
 }
 
-/* Adds what contacts push particle i: those that struck it. Returns the part
- * that these have of what all of them push, by size. */
-static real add_struck(const struct jumps *s, int64_t i, vec *push)
+/* What contacts push a particle: those that struck it, and all; and the sizes
+ * of these pushes. */
+struct struck {
+    vec push, all;
+    real part, whole;
+};
+
+static struct struck sum_struck(const struct jumps *s, int64_t i)
 {
-    real part = 0, all = 0;
+    struct struck sum = {{0, 0, 0}, {0, 0, 0}, 0, 0};
     for (int32_t k = s->start[i]; k < s->start[i + 1]; k++) {
         int64_t at = s->item[k] / 4;
         const struct contact *c = &s->contact[at];
         real weight = c->c[s->item[k] % 4];
-        real size = c->impulse > 0 ? real_abs(weight) * c->impulse : 0;
-        all += size;
-        if (!(size > 0 && s->kept[at].lambda == 0))
+        vec push = vec_scale(weight, vec_axpy(c->tangent, c->impulse, c->n));
+        sum.all = vec_add(sum.all, push);
+        if (!(c->impulse > 0))
             continue;
-        part += size;
-        *push = vec_axpy(*push, weight, vec_axpy(c->tangent, c->impulse, c->n));
+        real size = real_abs(weight) * c->impulse;
+        sum.whole += size;
+        if (s->kept[at].lambda != 0)
+            continue;
+        sum.part += size;
+        sum.push = vec_add(sum.push, push);
     }
-    return part > 0 ? part / all : 0;
+    return sum;
 }
 
 void ref_unknowns_jump(struct gpu *on, const struct jumps *s)
@@ -104,10 +113,11 @@ void ref_unknowns_jump(struct gpu *on, const struct jumps *s)
     (void)on;
     EACH_ITEM
     for (int64_t i = 0; i < s->count; i++) {
-        vec push = vec_make(0, 0, 0);
-        real part = s->w[i] > 0 ? add_struck(s, i, &push) : 0;
-        s->push[i] =
-            part > 0 ? vec_axpy(push, -part, s->left[i]) : vec_make(0, 0, 0);
+        struct struck sum = sum_struck(s, i);
+        vec undone = vec_add(s->rest[i], sum.all);
+        real part = sum.part > 0 ? sum.part / sum.whole : 0;
+        s->push[i] = s->w[i] > 0 && part > 0 ? vec_axpy(sum.push, -part, undone)
+                                             : vec_make(0, 0, 0);
     }
 }
 

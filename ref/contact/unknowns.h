@@ -27,9 +27,10 @@ struct jumps {
     const struct contact *contact; /* [n] */
     const struct kept *kept;       /* [n] of stage retain: 0 where it struck */
     const int32_t *start, *item;   /* their lists, of stage coulomb */
-    const vec *left; /* [count] N·s, what these impulses leave undone */
+    const vec
+        *rest; /* [count] N·s, of coulomb: what the contacts are to push */
     vec *push; /* out: [count] N·s, the impulse of contacts that struck it,
-                  without their part of what is left */
+                  less their part of what is undone; may be `rest` */
 };
 
 /* Takes the streams of w->lagrange. DRAPE_OK or DRAPE_ENOMEM. */
