@@ -107,9 +107,8 @@ int sewing_move(struct sewing *sewing);
 /* Counts the intersecting pairs of triangles that can collide, and those that
  * are sewn together. Returns app_exit. */
 int sewing_audit(struct sewing *sewing, int64_t *pairs, int64_t *sewn);
-/* Lifts the panels that may move to where the fewest of the straight ways of
- * their seams around a limb go through a body: app/scene/lift.c. Returns
- * app_exit. */
+/* Lifts panels that may move, by the least way, up to 5 cm, at which nothing is
+ * in the way of a seam around a limb: app/scene/lift.c. Returns app_exit. */
 int lift_panels(struct sewing *sewing, const bool *moves);
 /* Attachments, app/scene/hold.c. Adds the cloth of their anchors to the scene,
  * before a world is made of it; whether they begin now, in this stage; holds
