@@ -346,7 +346,7 @@ const char *test_list_cone(void)
 {
     struct cones s = {0};
     /* on a device what is read is elsewhere: the first contacts show that */
-    const char *failed = check_cone(DRAPE_BW, DRAPE_REF, 60, &s);
+    const char *failed = check_cone(DRAPE_BW, DRAPE_REF, 90, &s);
     failed = failed ? failed : check_cone(DRAPE_BW, DRAPE_GPU, 8, &s);
     failed = failed ? failed : check_cone(DRAPE_CK, DRAPE_REF, 60, &s);
     EXPECT(failed || (s.steps > 20 && s.steepest > 0.99 * 0.2));
