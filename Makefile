@@ -20,8 +20,11 @@ WERROR ?= $(if $(CI),-Werror)
 WARN   := -Wall -Wextra -Wpedantic $(WERROR)
 # The number model (spec/README.md §1): no contraction, no reassociation.
 MODEL  := -ffp-contract=off -fno-math-errno -fno-fast-math
-COMMON  = $(OPT) $(LESS) $(CPPFLAGS) $(CFLAGS) $(WARN) $(MODEL) $(OPENMP) $(SAN) \
+COMMON  = $(OPT) $(LEVEL) $(CPPFLAGS) $(CFLAGS) $(WARN) $(MODEL) $(OPENMP) $(SAN) \
           $(DEFINES) -I. -Ispec -I$(BUILD) -MMD -MP -fPIC
+# What a flavour compiles the tests with instead of -O1 (ci/flavours.mk).
+TEST_LEVEL :=
+LEVEL      :=
 # A command is shown as a short line, `CC app/tool/run.c`; V=1 shows it whole, -s not.
 MUTE   := $(findstring s,$(firstword -$(MAKEFLAGS)))
 show    = $(if $(V),,@$(if $(MUTE),,echo '$(1)';) )
@@ -148,7 +151,7 @@ $(NAMES): ci/names.sh FORCE
 
 # Tests take longer to compile than to run. One that no table runs is told of.
 $(BUILD)/tests/%.o: OPT := -O1
-$(BUILD)/tests/%.o: LESS = $(TEST_LEVEL)
+$(BUILD)/tests/%.o: LEVEL = $(TEST_LEVEL)
 $(BUILD)/tests/%.o: WARN += -Wmissing-prototypes
 # The library's loops run on its own threads, which sleep while they wait, as
 # OpenMP's need not: what the compilers call is renamed by ref/base/threads.syms.

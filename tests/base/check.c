@@ -274,7 +274,8 @@ static int obey(const char *a, const char *value, bool modes)
         options.only = value;
     else if (!strcmp(a, "--cases"))
         options.cases = atoi(value);
-    else if (!strcmp(a, "--bits"))
+    else if (!strcmp(a, "--bits") &&
+             (!strcmp(value, "32") || !strcmp(value, "64")))
         options.bits = atoi(value);
     else if (!strcmp(a, "--seed"))
         options.seed = strtoull(value, NULL, 10);
