@@ -74,18 +74,7 @@ def is_arithmetic(term):
 def nearest(roots):
     """The terms that the roots are made of down to sums, products, quotients and roots,
     operands first."""
-    seen, out = set(), []
-    stack = [(r, False) for r in roots]
-    while stack:
-        term, done = stack.pop()
-        if done:
-            out.append(term)
-        elif term.id not in seen:
-            seen.add(term.id)
-            stack.append((term, True))
-            if not is_arithmetic(term):
-                stack += [(k, False) for k in kids(term)]
-    return out
+    return order(roots, lambda term: () if is_arithmetic(term) else kids(term))
 
 
 def of_these(given, terms):

@@ -103,8 +103,9 @@ def kids(term):
     return [a for a in term.args if isinstance(a, Term)]
 
 
-def order(roots):
-    """All terms that the roots are made of, operands first."""
+def order(roots, into=kids):
+    """All terms that the roots are made of, operands first. into: the operands of a
+    term that are looked at."""
     seen, out = set(), []
     stack = [(r, False) for r in roots]
     while stack:
@@ -114,7 +115,7 @@ def order(roots):
         elif term.id not in seen:
             seen.add(term.id)
             stack.append((term, True))
-            stack += [(k, False) for k in kids(term) if k.id not in seen]
+            stack += [(k, False) for k in into(term) if k.id not in seen]
     return out
 
 
