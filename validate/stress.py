@@ -2,12 +2,13 @@
 """Energy that steps gain in scenes drawn at random: sheets that fall on a drum, of any
 cells, stiffness, facets and steps. spec/limits.md, Energy
 
-usage: python -m validate.stress FIRST LAST     seeds; the package `drape` is found
-Prints a row for each scene in which a step gains more than 3 % of what all may lose,
-or that is not clean, and how many these are.
+usage: PYTHONPATH=build/python/package python -m validate.stress FIRST LAST
+(`make build/validate` makes that package.) Prints a line for each scene, of seeds from
+FIRST to LAST - 1, in which a step gains more than 3 % of the energy of the fall, or that
+is not clean; and how many these are.
 """
+import argparse
 import random
-import sys
 from types import SimpleNamespace
 
 import numpy as np
@@ -70,9 +71,13 @@ def run(d):
 
 
 def main():
-    first, last = map(int, sys.argv[1:3])
+    parser = argparse.ArgumentParser(prog="validate.stress", description="Energy that "
+                                     "steps gain in scenes drawn at random.")
+    parser.add_argument("first", type=int, help="the first seed")
+    parser.add_argument("last", type=int, help="the seed behind the last")
+    options = parser.parse_args()
     scenes = found = 0
-    for seed in range(first, last):
+    for seed in range(options.first, options.last):
         d = draw(seed)
         result = run(d)
         if result is None:

@@ -27,10 +27,9 @@ struct jumps {
     const struct contact *contact; /* [n] */
     const struct kept *kept;       /* [n] of stage retain: 0 where it struck */
     const int32_t *start, *item;   /* their lists, of stage coulomb */
-    const vec
-        *rest; /* [count] N·s, of coulomb: what the contacts are to push */
+    const vec *rest; /* [count] N·s, what the contacts had to balance */
     vec *push; /* out: [count] N·s, the impulse of contacts that struck it,
-                  less their part of what is undone; may be `rest` */
+                  less their part of what all leave undone; may be rest */
 };
 
 /* Takes the streams of w->lagrange. DRAPE_OK or DRAPE_ENOMEM. */
