@@ -8,7 +8,8 @@
 
 /* STEP_UNITS: a step in units of the shortest slice. TRIES: how many slices of
  * a step may be taken again after the fail-safe. ROUNDS: most rounds of
- * impulses in a slice that is a whole step and may be taken again. */
+ * impulses in a slice that is a whole step, may be taken again, and whose
+ * contacts are not solved with the cloths. */
 enum { STEP_UNITS = 64, TRIES = 3, ROUNDS = 12 };
 /* §7.2: how many cells candidates may move relative to each other in a slice
  * whose contacts are not solved with the cloths. */
@@ -73,8 +74,12 @@ bool slice_can_retry(const struct world *w)
 
 int slice_rounds(const struct world *w)
 {
-    bool few = w->slicing.level == 0 && slice_can_retry(w);
-    return few && w->def.max_rounds > ROUNDS ? ROUNDS : w->def.max_rounds;
+    int most = w->def.max_rounds;
+    if (!slice_can_retry(w))
+        return most;
+    if (w->plan.solves)
+        return 0;
+    return w->slicing.level == 0 && most > ROUNDS ? ROUNDS : most;
 }
 
 bool slice_wrong(struct world *w, int outcome)

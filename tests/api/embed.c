@@ -120,8 +120,10 @@ static const char *lend(int response)
         /* the front, contacts, their lists, and what is too large */
         EXPECT(response == DRAPE_SOLVE ||
                b.device_allocations - a.device_allocations < LENT);
-        EXPECT(backend ? b.borrowed_bytes > a.borrowed_bytes
-                       : b.borrowed_bytes == 0);
+        /* rounds borrow, which a loop that ends clean does without */
+        EXPECT(!backend                  ? b.borrowed_bytes == 0
+               : response == DRAPE_SOLVE ? b.borrowed_bytes >= a.borrowed_bytes
+                                         : b.borrowed_bytes > a.borrowed_bytes);
         hash[backend] = scene_hash(world);
         drape_destroy(world);
         ran(1);
