@@ -19,8 +19,8 @@
 enum { SOLVES = 12, MOST = 40, TRIALS = 12 };
 static const real LATE = 10;        /* §3.4: times `tolerance`, from then on */
 static const real FORCING = R(0.1); /* §3.2: tolerance of a linear system */
-static const real HALF = R(0.5);    /* §3.2: of what the loop may leave, what a
-                                       linear system may */
+static const real QUARTER = R(0.25); /* §3.2: of what the loop may leave, what
+                                        a linear system may */
 static const real ONCE = R(0.999); /* §3.2: a tolerance that takes one iteration
                                       at least */
 static const real NESTED = R(0.3); /* §3.3: the inner residual is this part of
@@ -549,7 +549,7 @@ static void renew_multipliers(struct loop *s, real enough)
         evaluate_contacts(s, false, true);
         left = s->outer;
     }
-    real part = left > 0 ? HALF * enough / left : 1;
+    real part = left > 0 ? QUARTER * enough / left : 1;
     s->forcing = real_max(FORCING, real_min(part, ONCE));
 }
 
