@@ -10,10 +10,11 @@ nvcc makes of gpu/: which products are added, how many roundings each meets, and
 the magnitudes are not those of the products, or the comparison has no such bound, the
 proof fails; so does one with another C. Of the roundings a Gappa script is written, in
 BUILD/equal/bounds, and Gappa's bound must be below C by a hundredth, but not by far.
-Of other filters, whose scripts are by hand, the constants must be used by both sides.
+Of other shapes are the bounds of margins.py.
 --coq: Gappa's proofs are exported to Coq, which checks them.
 """
 import collections
+import concurrent.futures
 import os
 import re
 import shutil
@@ -21,23 +22,17 @@ import subprocess
 import sys
 
 import floats
+import margins
 import prove
 import question
 import table
+from scripts import bare, gappa, is_power
 from term import TABLE, Unsupported, order
 
 # Twin, and how many of its comparisons have the bound, of the reference and the device.
 FILTERS = {"orient3": (2, 1), "orient2": (2, 1), "beside_plane": (6, 6), "opened": (1, 1)}
 SIDES = ("reference", "device")
-# Twin, and the constants that its operations must have as factors or terms of
-# the filters whose scripts in spec/proofs/ are by hand.
-USES = (
-    ("errors_of", "ref/narrow/filter.c", ("ERROR_FORM", "ERROR_CUBIC", "UNDERFLOW")),
-    ("parted", "ref/narrow/tritri.c", ("ERROR_PARTED", "UNDERFLOW")),
-    ("spread", "ref/broad/cones.c", ("CONES_ROOM",)),
-    ("meets", "ref/broad/box.h", ("BOX_LATE",)),
-)
-BITS = 64
+BITS = 64  # of filters, which are the same in both precisions
 MOST_MONOMIALS = 200
 
 
@@ -55,11 +50,6 @@ def expand(term, sizes, memo):
 def is_input(term):
     """Whether a term is a number that the code reads."""
     return term.op in ("number", "leaf")
-
-
-def bare(term):
-    """A term without its sign."""
-    return term.args[0] if term.op == "neg" else term
 
 
 def expanded(term, sizes, memo):
@@ -145,19 +135,6 @@ def script(one):
     return "\n".join(lines) + "\n"
 
 
-def gappa(text):
-    """The bound that Gappa proves, or nothing."""
-    said = subprocess.run(["gappa"], input=text, capture_output=True, text=True,
-                          check=False)
-    found = re.search(r"in \[.*\{([0-9.e+-]+), 2\^", said.stdout + said.stderr)
-    return float(found[1]) if found else None
-
-
-def is_power(x):
-    """Whether a constant is a power of two."""
-    return x > 0 and x.hex().split("p")[0] == "0x1.0000000000000"
-
-
 class Results:
     """Counts results."""
 
@@ -197,28 +174,55 @@ def check(results, folder, twin, side, terms):
                        f"a magnitude: {proved} < {one.constant.hex()}")
 
 
-def values(path, name):
-    """What a constant of a file may be in the code: itself, so many units of rounding,
-    or one and those."""
+def defined(path, name):
+    """A constant as a file defines it."""
     with open(path, encoding="utf-8") as file:
         found = re.search(rf"^#define {name} (\S+)", file.read(), re.M)
-    if not found:
-        return ()
-    x = float.fromhex(found[1]) if "x" in found[1] else float(found[1])
-    return (x,) if x < 1 else (x * 2.0**-53, 1 + x * 2.0**-53)
+    return found and (float.fromhex(found[1]) if "x" in found[1] else float(found[1]))
 
 
-def check_use(results, twin, side, terms, path, names):
-    """Whether one side of a twin computes with its constants."""
-    known = {abs(floats.value(k)) for term in order(terms) if term.op in ("*", "+")
-             for k in term.args if floats.is_const(k)}
-    for name in names:
-        results.tell(any(x in known for x in values(path, name)),
-                     f"{twin}, {side}: uses {name}")
+def read(results, reader):
+    """What a reader finds of its rows; what it does not understand fails."""
+    for part in reader.parts:
+        try:
+            part()
+        except Unsupported as why:
+            results.tell(False, f"{part.__name__}, {reader.name} {reader.bits}: {why}")
 
 
-def by_coq(results, path):
-    """Lets Coq check what Gappa proves of a script."""
+def margins_of(results, build, folder):
+    """Proves what margins.py has, in both precisions; returns the scripts."""
+    rows = [t for g in table.read(prove.TWINS) for t in g.rows if t.name in margins.ROWS]
+    results.tell(prove.compile_all(build, rows, prove.BITS, 2)
+                 and len(rows) == len(margins.ROWS), "the rows of bounds compile")
+    jobs, paths, uses = [], {}, {}
+    for bits in prove.BITS:
+        TABLE.start()
+        found = {t.name: question.question(build, t, bits)[0] for t in rows}
+        for side in (0, 1):
+            reader = margins.Reader(found, side, bits)
+            read(results, reader)
+            jobs += reader.jobs
+            uses |= dict.fromkeys(reader.uses)
+    for what, constant, path, name in uses:
+        results.tell(constant == defined(path, name), f"{what} is {constant.hex()}")
+    with concurrent.futures.ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
+        list(pool.map(gappa, dict.fromkeys(text for _, text, _ in jobs)))
+    for what, text, constant in jobs:
+        proved = gappa(text)
+        good = proved and constant / 64 < proved <= 0.99 * constant
+        results.tell(good, f"{what}: {proved} < {constant.hex()}")
+        path = os.path.join(folder, f"margin_{len(paths)}.gappa")
+        if text not in paths:
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(text)
+            paths[text] = path
+    return list(paths.values())
+
+
+def by_coq(path):
+    """Lets Coq check what Gappa proves of a script; returns its name and whether it
+    does."""
     name = "".join(c if c.isalnum() else "_" for c in os.path.basename(path)[:-6])
     out = os.path.join(os.path.dirname(path), name + ".v")
     with open(path, encoding="utf-8") as file:
@@ -228,30 +232,28 @@ def by_coq(results, path):
         file.write(said.stdout)
     done = subprocess.run(["coqc", "-q", out], capture_output=True, text=True,
                           check=False)
-    results.tell(said.stdout and done.returncode == 0, f"{name} by Coq")
+    return name, said.stdout and done.returncode == 0
 
 
 def main(build, *options):
     """Proves all."""
     results, folder = Results(), os.path.join(build, "equal", "bounds")
-    os.makedirs(folder, exist_ok=True)
-    used = {name: rest for name, *rest in USES}
-    twins = [t for g in table.read(prove.TWINS) for t in g.twins
-             if t.name in FILTERS or t.name in used]
+    shutil.rmtree(folder, ignore_errors=True)
+    os.makedirs(folder)
+    twins = [t for g in table.read(prove.TWINS) for t in g.twins if t.name in FILTERS]
     results.tell(prove.compile_all(build, twins, [BITS], 2) and
-                 len(twins) == len(FILTERS) + len(used), "the filters' twins compile")
+                 len(twins) == len(FILTERS), "the filters' twins compile")
     for twin in twins:
         TABLE.start()
         pairs, _ = question.question(build, twin, BITS)
         for k, side in enumerate(SIDES):
-            terms = [pair[k] for pair in pairs]
-            if twin.name in used:
-                check_use(results, twin.name, side, terms, *used[twin.name])
-            else:
-                check(results, folder, twin.name, side, terms)
+            check(results, folder, twin.name, side, [pair[k] for pair in pairs])
+    scripts = margins_of(results, build, folder)
+    scripts += [os.path.join(folder, name + ".gappa") for name in sorted(FILTERS)]
     if "--coq" in options and shutil.which("coqc"):
-        for name in sorted(FILTERS):
-            by_coq(results, os.path.join(folder, name + ".gappa"))
+        with concurrent.futures.ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
+            for name, good in pool.map(by_coq, filter(os.path.exists, scripts)):
+                results.tell(good, f"{name} by Coq")
     elif "--coq" in options:
         print("skipped: Coq's proofs: there is no coqc (sh ci/deps.sh proofs)")
         results.skipped += 1

@@ -76,7 +76,7 @@ def compile_all(build, twins, widths, jobs):
         for group in groups:
             names = [group.name, *map(table.link_name, group.linked)]
             targets += [f"{build}/equal/{name}.{bits}.ll" for name in names]
-            if any(not twin.kernel for twin in group.twins):
+            if any(not twin.kernel for twin in group.rows):
                 targets.append(f"{build}/equal/{group.name}.{bits}.ptx")
             if any(twin.kernel for twin in group.twins):
                 path = re.sub(r"\.cu$", f".{bits}.ptx", group.device)

@@ -4,7 +4,7 @@ import dataclasses
 import os
 import re
 
-ROW = re.compile(r"\s*(FILES|HOLE|VALID|RESULTS|TWIN|LONG|KERNEL|EACH3|EACH|LAUNCH)(?=\()")
+ROW = re.compile(r"\s*(FILES|HOLE|VALID|RESULTS|TWIN|LONG|KERNEL|EACH3|EACH|LAUNCH|BOUND)(?=\()")
 HEAD = "/* Written by ci/equal/table.py from ci/equal/twins.def. */\n"
 
 
@@ -34,7 +34,8 @@ class Group:
     of a device function to (name of the reference's, arguments that only the device
     has). valid: functions of the reference to what they return
     where they find no fault in the input. results: functions of the reference to the
-    parameter that holds what their calls return."""
+    parameter that holds what their calls return. bounds: rows of which only bounds.py
+    reads the terms, and which are no twins."""
 
     device: str
     refs: list
@@ -43,6 +44,12 @@ class Group:
     valid: dict
     results: dict
     number: int = 0
+    bounds: list = dataclasses.field(default_factory=list)
+
+    @property
+    def rows(self):
+        """All of which wrappers are written."""
+        return self.twins + self.bounds
 
     @property
     def name(self):
@@ -91,7 +98,8 @@ def twin_of(kind, parts, group):
     stage, name, *parts = parts
     shape = tuple(int(parts.pop(0)) for _ in range(2)) if kind == "LAUNCH" else ()
     params, *parts = parts
-    if kind in ("TWIN", "LONG"):
+    plain = kind in ("TWIN", "LONG", "BOUND")
+    if plain:
         device = parts.pop(0)
     else:
         device, _, case = name.partition(":")
@@ -99,7 +107,7 @@ def twin_of(kind, parts, group):
             re.sub(r"<", "_", device).rstrip(">"))
     ref, *given = parts
     return Twin(stage, name, params_of(params), device, ref, given[0] if given else "",
-                kind not in ("TWIN", "LONG"), kind[:4] == "EACH", kind == "EACH3", shape,
+                not plain, kind[:4] == "EACH", kind == "EACH3", shape,
                 kind == "LONG" or bool(shape), group)
 
 
@@ -123,7 +131,8 @@ def read(path):
         elif row[1] == "HOLE":
             groups[-1].holes[parts[0]] = parts[1], int(parts[2])
         else:
-            groups[-1].twins.append(twin_of(row[1], parts, groups[-1]))
+            rows = groups[-1].bounds if row[1] == "BOUND" else groups[-1].twins
+            rows.append(twin_of(row[1], parts, groups[-1]))
     if text[at:].strip():
         raise SystemExit(f"{path}: not a row: {text[at:].strip()[:60]}")
     return groups
@@ -147,7 +156,7 @@ def wrappers(group):
     c = HEAD + "".join(f'#include "{ref}"\n' for ref in group.refs
                        if ref not in group.linked)
     c += '#include "ci/equal/given.h"\n'
-    for twin in group.twins:
+    for twin in group.rows:
         if not twin.kernel:
             cuda += (f'extern "C" __global__ void twin_{twin.name}'
                      f"({signature(twin, False)})\n{{\n    {twin.device};\n}}\n")
