@@ -222,27 +222,27 @@ def first_difference(a, b):
         a, b = apart[0]
 
 
-def told(pair, place):
+def told(pair, place, sides):
     """Two terms and where they arose, as lines."""
     lines = []
-    for name, term in zip(("reference", "device"), first_difference(*pair)):
+    for name, term in zip(sides, first_difference(*pair)):
         at = TABLE.origin.get(term.id)
         where = f" ({place(at[0])}:{at[1]})" if at else ""
         lines.append(f"{name}{where} {show(term)[:300]}")
     return tuple(lines)
 
 
-def by_witness(found, place):
+def by_witness(found, place, sides):
     """The verdict that an input shows."""
     pair, (x, y), value = found
     leaves = [t for t in order(pair) if t.op == "leaf"][:24]
     shown = " ".join(f"{show(t)}={value(t):#x}" for t in leaves)
     return Verdict("differs", "an input", detail=(
-        f"reference {x!r}, device {y!r} for {shown}", *told(pair, place)))
+        f"{sides[0]} {x!r}, {sides[1]} {y!r} for {shown}", *told(pair, place, sides)))
 
 
-def decide(pairs, given, quick, place):
-    """The verdict on pairs of terms (reference, device). quick: without the solver.
+def decide(pairs, given, quick, place, sides=("reference", "device")):
+    """The verdict on pairs of terms, one of each side. quick: without the solver.
     place: how a file's name is shown."""
     count = len(order([t for pair in pairs for t in pair]))
     left = [pair for pair in pairs if pair[0] is not pair[1]]
@@ -254,7 +254,7 @@ def decide(pairs, given, quick, place):
         return Verdict("equal", "rewriting", count)
     found = witness(left, given, 0.5 if quick else 8)
     if found:
-        return by_witness(found, place)
+        return by_witness(found, place, sides)
     if quick or solver.bitwuzla is None:
         return Verdict("open", "the solver was not asked", count)
     sweep = Sweep(given, SECONDS)
@@ -263,4 +263,4 @@ def decide(pairs, given, quick, place):
     if not left:
         return Verdict("equal", "the solver", count, sweep.asked)
     return Verdict("open", "the solver does not know", count, sweep.asked,
-                   told(left[0], place))
+                   told(left[0], place, sides))

@@ -30,3 +30,16 @@ $(BUILD)/equal/%.$(1).ll: $(BUILD)/equal/%.c | $(NAMES)
 endef
 $(foreach bits,32 64,$(eval $(call twin_of,$(bits))))
 -include $(wildcard $(BUILD)/equal/*.d)
+
+# The device's side again, with other words in place of one of nvcc's command:
+# ci/equal/versions.py compares both.
+TO_AGAIN = $(if $(filter $(SWAP),$(TO_PTX)),$(patsubst $(SWAP),$(FOR),$(TO_PTX)),\
+           $(error nvcc's command has no $(SWAP)))
+define again_of
+$(BUILD)/equal/again/%.$(1).ptx: $(BUILD)/equal/%.cu | $(NAMES)
+	$$(call show,AGAIN $$<$$(bits))$$(TO_AGAIN) -DREAL_BITS=$(1) $$< -o $$@
+$(BUILD)/equal/again/%.$(1).ptx: %.cu | $(NAMES)
+	@mkdir -p $$(@D)
+	$$(call show,AGAIN $$<$$(bits))$$(TO_AGAIN) -DREAL_BITS=$(1) $$< -o $$@
+endef
+$(foreach bits,32 64,$(eval $(call again_of,$(bits))))

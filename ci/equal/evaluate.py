@@ -31,7 +31,8 @@ INTEGERS = {"and_bits": operator.and_, "or_bits": operator.or_,
             "xor_bits": operator.xor, "eq": operator.eq, "ult": operator.lt}
 NUMBERS = {"<": operator.lt, "<=": operator.le, "==": operator.eq, "neg": operator.neg,
            "abs": abs, "min": exact.least, "max": exact.most}
-ROUNDED = {"+": exact.add, "*": exact.mul, "/": exact.div, "sqrt": exact.root}
+ROUNDED = {"+": exact.add, "*": exact.mul, "/": exact.div, "sqrt": exact.root,
+           "fma": exact.fma}
 
 
 def apply(term, v):

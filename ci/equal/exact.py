@@ -4,6 +4,7 @@
 Those on binary32 are done in binary64 and rounded again, which gives the same
 result, as binary64 has more than twice the bits of binary32, and two more.
 """
+import fractions
 import math
 
 from term import bits_of, float_of
@@ -37,6 +38,24 @@ def root(sort, a):
     """√a"""
     return rounded(sort, math.sqrt(a)) if a >= 0 and a < math.inf else (
         a if a == math.inf else math.nan)
+
+
+def fma(sort, a, b, c):
+    """a · b + c, rounded once: for binary32 from a binary64 that is rounded to odd."""
+    if not all(map(math.isfinite, (a, b, c))):
+        return c if math.isfinite(a) and math.isfinite(b) else rounded(sort, a * b + c)
+    whole = fractions.Fraction(a) * fractions.Fraction(b) + fractions.Fraction(c)
+    if whole == 0:
+        return rounded(sort, a * b + c)
+    try:
+        near = float(whole)
+    except OverflowError:
+        return math.inf if whole > 0 else -math.inf
+    if sort == "f64" or fractions.Fraction(near) == whole:
+        return rounded(sort, near)
+    low = near if near < whole else math.nextafter(near, -math.inf)
+    odd = low if bits_of("f64", low) & 1 else math.nextafter(low, math.inf)
+    return rounded(sort, odd)
 
 
 def least(a, b):

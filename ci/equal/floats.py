@@ -151,6 +151,13 @@ def root(a):
     return make("sqrt", (a,), a.sort)
 
 
+def fma(a, b, c):
+    """a · b + c, rounded once, which the number model does not have: nothing is known
+    of it but its value for known numbers."""
+    a, b = (a, b) if a.id <= b.id else (b, a)
+    return make("fma", (a, b, c), a.sort)
+
+
 def least(a, b):
     """PTX's min, which orders -0 below +0 and returns the other operand for a NaN. Of
     a constant but +0 it is a < b ? a : b."""

@@ -31,14 +31,16 @@ QUICK, LONGEST = 30, 120 # seconds of a processor for a twin in one precision
 BITS = (32, 64)
 
 
-def decide(build, twin, bits, quick):
+def decide(build, twin, bits, quick, again=False):
     """The verdict on a twin: by rewriting, then by the solver, and each by either way
-    to write comparisons until one proves or refutes it."""
+    to write comparisons until one proves or refutes it. again: on what two sets of
+    flags make of the device's side (versions.py)."""
+    sides = ("again", "build") if again else ("reference", "device")
     for rewriting in (True, False):
         for zeros in (False, True):
             TABLE.start(zeros)
-            pairs, given = question.question(build, twin, bits)
-            verdict = compare.decide(pairs, given, rewriting, os.path.relpath)
+            pairs, given = question.question(build, twin, bits, again)
+            verdict = compare.decide(pairs, given, rewriting, os.path.relpath, sides)
             if verdict.kind != "open":
                 return verdict
         if quick:
@@ -52,13 +54,14 @@ def too_late(*_):
 
 
 def verdict_on(task):
-    """The same, open where the engine has no answer or none in time, and seconds."""
-    build, twin, bits, quick = task
+    """The same of decide's arguments, open where the engine has no answer or none in
+    time, and seconds."""
+    quick = task[3]
     began = time.monotonic()
     signal.signal(signal.SIGVTALRM, too_late)
     signal.setitimer(signal.ITIMER_VIRTUAL, QUICK if quick else LONGEST)
     try:
-        verdict = decide(build, twin, bits, quick)
+        verdict = decide(*task)
     except (Unsupported, FileNotFoundError) as why:
         verdict = compare.Verdict("open", str(why))
     finally:

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Proves that device code performs the operations of ref/: ci/equal/prove.py, with the
 # solver in an environment of its own; that filters' bounds hold: bounds.py; and that
-# integers of many words lose no carry and have room: carries.py, bits.py. What is not
-# installed is skipped by name.
+# integers of many words lose no carry and have room: carries.py, bits.py; and that two
+# sets of flags are told apart: versions.py. What is not installed is skipped by name.
 # usage: ci/equal/prove.sh BUILD [OPTION...]; ends with `N passed, N failed, N skipped`
 set -eu
 cd "$(dirname "$0")/../.."
@@ -45,5 +45,6 @@ if command -v gappa >/dev/null; then
 else
     echo "skipped: filters' bounds: there is no gappa"
 fi
+[ -z "$coq" ] || python3 ci/equal/versions.py "$build" || exit 1
 [ ! -e "$venv/made" ] || "$venv/bin/python" ci/equal/carries.py "$build" || exit 1
 exec "$python" ci/equal/prove.py "$build" "$@"

@@ -10,7 +10,7 @@ from run import EXIT, Machine, State, postdominators, widen
 from term import (FALSE, TABLE, TRUE, Unsupported, integers, is_float, leaf, make,
                   signed, width)
 
-ENTRY = re.compile(r"\.(?:entry|func)\s*(\(\s*\.param[^)]*\))?\s*([\w$]+)\s*\((.*?)\)"
+ENTRY = re.compile(r"\.(?:entry|func)\s*(\(\s*\.param[^)]*\))?\s*([\w$]+)\s*\(([^()]*)\)"
                    r"((?:(?!\.entry|\.func)[^{;])*)\n\{(.*?)\n\}", re.S)
 PLACE = re.compile(r"\.loc\s+(\d+)\s+(\d+)[^\n]*")
 JUMP = re.compile(r"(?:@(!?)(%p\d+)\s+)?(bra|ret)(?:\.uni)?\s*([\w$]*)$")
@@ -18,7 +18,7 @@ MEET = re.compile(r"(?:bar|barrier|shfl)\.")
 FLOAT = {"add": floats.add, "sub": floats.sub, "mul": floats.mul, "div": floats.div,
          "sqrt": floats.root, "neg": floats.neg, "abs": floats.size,
          "min": floats.least, "max": floats.most, "mov": lambda a: a,
-         "rcp": lambda a: floats.div(floats.const(a.sort, 1.0), a)}
+         "fma": floats.fma, "rcp": lambda a: floats.div(floats.const(a.sort, 1.0), a)}
 WHOLE = {"add": words.add, "sub": words.sub, "and": words.conjunction,
          "or": words.disjunction, "xor": words.difference, "mov": lambda a: a,
          "neg": lambda a: words.sub(words.const(a.sort[1], 0), a),
@@ -30,9 +30,11 @@ Base = collections.namedtuple("Base", "at")  # of the memory that a parameter is
 
 
 class File:
-    """The functions and variables of a PTX file."""
+    """The functions and variables of a PTX file. loose: sums and products without .rn
+    have a meaning, too."""
 
-    def __init__(self, text):
+    def __init__(self, text, loose=False):
+        self.loose = loose
         self.functions = {m[2]: m for m in ENTRY.finditer(text)}
         self.files = dict(re.findall(r'^\s*\.file\s+(\d+)\s+"([^"]*)"', text, re.M))
         self.globals = set(re.findall(
@@ -339,11 +341,31 @@ class Function(Machine):
         return self.of_words(kind, parts, a)
 
     def of_floats(self, kind, parts, a):
-        """An operation on numbers, of those that ci/equal/lint.py lets pass."""
-        rounds = kind in ("add", "sub", "mul", "div", "sqrt", "rcp")
+        """An operation on numbers, of those that ci/equal/lint.py lets pass, or a sum
+        with a product that is rounded once."""
+        if self.file.loose and kind in ("add", "sub", "mul") and len(parts) == 1:
+            return self.contracted(kind, *a)
+        rounds = kind in ("add", "sub", "mul", "div", "sqrt", "rcp", "fma")
         if kind not in FLOAT or parts[:-1] != ["rn"] * rounds:
             raise Unsupported(".".join([kind, *parts]))
         return FLOAT[kind](*a)
+
+    @staticmethod
+    def contracted(kind, a, b):
+        """A sum or product without .rn: PTX lets ptxas contract it, and it is taken as
+        contracted where it may be."""
+        memo = TABLE.memos["loose"]
+        if kind == "mul":
+            product = floats.mul(a, b)
+            memo[product.id] = memo[floats.neg(product).id] = a, b
+            return product
+        b = floats.neg(b) if kind == "sub" else b
+        for product, other in ((a, b), (b, a)):
+            if product.id in memo:
+                sign = product.op == "neg"
+                x, y = memo[product.id]
+                return floats.fma(floats.neg(x) if sign else x, y, other)
+        return floats.add(a, b)
 
     def of_words(self, kind, parts, a):
         """An operation on integers."""

@@ -211,8 +211,38 @@ def condition(twin, module, memory, args, state, hooks):
     return words.relation("ne", truth, words.const(32, 0), False)
 
 
-def question(build, twin, bits):
-    """Pairs of terms that must be equal, and the condition under which."""
+def loose_file(text):
+    """A PTX file in which sums and products without .rn have a meaning."""
+    return ptx.File(text, True)
+
+
+def device_file(build, twin, bits, again):
+    """The PTX of a row, by the build's flags or by others (versions.py)."""
+    if again:
+        name = re.sub(r"\.cu$", "", twin.group.device) if twin.kernel else twin.group.name
+        return parsed(f"{build}/equal/again/{name}.{bits}.ptx", loose_file)
+    if twin.kernel:
+        path = re.sub(r"\.cu$", f".{bits}.ptx", twin.group.device)
+        return parsed(f"{build}/ptx/{path}", ptx.File)
+    return parsed(f"{build}/equal/{twin.group.name}.{bits}.ptx", ptx.File)
+
+
+def device_state(file, twin, memory, params, start):
+    """What a file's device side of a row leaves."""
+    name = entry_of(file, twin) if twin.kernel else f"twin_{twin.name}"
+    hooks = {device: hole(ref_name, skipped)
+             for device, (ref_name, skipped) in twin.group.holes.items()}
+    state = start.copy()
+    if twin.shape:
+        state = together.execute(file, name, memory, params, state, hooks, twin.shape)
+    for threads in threads_of(twin):
+        state = ptx.execute(file, name, memory, params, state, hooks, threads)
+    return state
+
+
+def question(build, twin, bits, again=False):
+    """Pairs of terms that must be equal, and the condition under which. again: of the
+    device's side and the same by other flags, not of the reference and the device."""
     group, memory = twin.group, Memory()
     module = parsed(f"{build}/equal/{group.name}.{bits}.ll", llvm.Module)
     names = map(table.link_name, group.linked)
@@ -222,13 +252,8 @@ def question(build, twin, bits):
         other.linked = [module, *module.linked]
     function, start = f"twin_{twin.name}", State()
     if twin.kernel:
-        path = re.sub(r"\.cu$", f".{bits}.ptx", group.device)
-        file = parsed(f"{build}/ptx/{path}", ptx.File)
-        name = entry_of(file, twin)
         params, args = kernel_arguments(twin, module, memory, function, start)
     else:
-        file = parsed(f"{build}/equal/{group.name}.{bits}.ptx", ptx.File)
-        name = function
         params, args = zip(*(argument(kind, n, bits) for kind, n in twin.params))
     given, args = TRUE, list(args)
     hooks = hooks_of(twin, bits, args[-1], memory, start)
@@ -240,14 +265,13 @@ def question(build, twin, bits):
         given = condition(twin, module, memory, args, start, hooks)
         for known in (whole, given):
             assume(start, known, True)
-    _, ref = llvm.execute(module, function, memory, args, start.copy(), hooks)
-    hooks = {device: hole(ref_name, skipped)
-             for device, (ref_name, skipped) in group.holes.items()}
-    device = start.copy()
-    if twin.shape:
-        device = together.execute(file, name, memory, params, device, hooks, twin.shape)
-    for threads in threads_of(twin):
-        device = ptx.execute(file, name, memory, params, device, hooks, threads)
+    if again:
+        file = device_file(build, twin, bits, True)
+        ref = device_state(file, twin, memory, params, start)
+    else:
+        _, ref = llvm.execute(module, function, memory, args, start.copy(), hooks)
+    file = device_file(build, twin, bits, False)
+    device = device_state(file, twin, memory, params, start)
     private = [arg for (_, n), arg in zip(twin.params, args)
                if twin.kernel and n in ERRORS]
     return cells(memory, ref, device, private), given
