@@ -78,7 +78,7 @@ def planes():
     yield [TINY, 0], [GREAT, GREAT], [GREAT, GREAT]
     yield [0, TINY], [GREAT, GREAT], [GREAT / 2, GREAT / 2]
     yield [0, 0], [GREAT, TINY], [GREAT / 2, TINY]
-    yield [0, 0], [GREAT, GREAT], [GREAT, GREAT * (1 + 2.0**-52)]
+    yield [0, 0], [GREAT, GREAT], [GREAT, GREAT * (1 - 2.0**-53)]
     for k in range(1, 12): # 53 bits that end differently
         a, b, c = fibonacci(53 - k)
         yield [0, 0], [c << k, b << k], [b, a]
@@ -104,7 +104,8 @@ def spaces():
     yield [TINY, 0, 0], [GREAT, GREAT, 0], [GREAT, 0, GREAT], [GREAT, GREAT, 0]
     yield [0, 0, TINY], [GREAT, GREAT, 0], [GREAT, 0, 0], [0, GREAT, 0]
     yield zero, [GREAT, GREAT, GREAT], [GREAT, GREAT, 0], [TINY, 0, GREAT]
-    yield zero, [GREAT, 0, GREAT], [0, GREAT, GREAT], [GREAT, GREAT, 2 * GREAT]
+    half = GREAT / 2
+    yield zero, [half, 0, half], [0, half, half], [half, half, GREAT]
     for k in range(1, 12):
         x, y, z = power(53 - k)
         yield zero, [p << k for p in x], y, z
