@@ -3,7 +3,8 @@
 # sources, the rules and the library; included are ci/install.mk (the shared
 # library, what is installed, packages), ci/flavours.mk (other compilers and
 # flags: the only recursion), ci/fuzz.mk, ci/upkeep.mk, ci/python.mk,
-# ci/equal/equal.mk (PTX of the kernels) and bench/bench.mk.
+# ci/equal/equal.mk (PTX of the kernels), ci/eva/eva.mk (contracts asserted) and
+# bench/bench.mk.
 
 BUILD  ?= build
 PREFIX ?= /usr/local
@@ -250,7 +251,7 @@ $(BUILD)/5_share: $(BUILD)/5_share.o $(LIB)
 	$(C17) $^ -o $@ $(CUDA_L)
 
 include ci/install.mk ci/flavours.mk ci/fuzz.mk ci/upkeep.mk ci/python.mk \
-        ci/equal/equal.mk bench/bench.mk
+        ci/equal/equal.mk ci/eva/eva.mk bench/bench.mk
 
 check: ## everything that must hold
 	@python3 ci/check.py $(BUILD)

@@ -50,6 +50,7 @@ PARTS = {
     "maps": ("README's pipeline, the table of stages and the files", 30),
     "accuracy": ("time against error, in a short form", 20),
     "single": ("solves, times of impact and distances by themselves", 1),
+    "contracts": ("what proofs take as given of callers, asserted in tests", 20),
     "prove": ("Gappa's proofs of the filters' constants", 20),
     "golden-1": ("recorded hashes of all stages", 10),
     "golden-3": ("recorded hashes of all stages, three threads", 5),

@@ -173,6 +173,7 @@ ptx)
         python3 ci/equal/lint.py "$0"/ptx/gpu/*/*.ptx' "$build" "$jobs"
     ;;
 equal) count sh ci/equal/prove.sh "$build" --quick ;;
+contracts) count sh ci/eva/contracts.sh "$build" ;;
 models) count python3 ci/models/models.py "$build" --quick ;;
 faults)
     command -v nvcc >/dev/null 2>&1 || skip 'there is no nvcc'

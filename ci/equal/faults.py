@@ -155,6 +155,11 @@ PROVERS = (
          "for (int k = 0; k <= 3; k++)\n        c[k] = a[k] - b[k];", "filter: 1 alarm"),
         ("a variable without a value", "ref/narrow/tritri.c",
          "unsigned above = 0, below = 0;", "unsigned above, below = 0;", "tritri: 1 alarm"),
+        ("a contract that allows too much", "ref/narrow/split.h", "3 <= m->count <= 4",
+         "3 <= m->count <= 5", "split"),
+        ("a contract that leaves code out", "ref/narrow/closest.h",
+         "requires 0 <= kind <= 1;\n  @ requires", "requires 1 <= kind <= 1;\n  @ requires",
+         "closest"),
     )),
 )
 

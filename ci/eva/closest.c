@@ -1,23 +1,24 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Closest points, their weights and normals. */
 #include "ref/narrow/closest.c"
-#include "__fc_builtin.h"
+#include "eva/closest.h"
 int main(void)
 {
     struct wide x[4];
     struct closest r;
     real c[4];
-    for (int k = 0; k < 4; k++) {
-        x[k].x = Frama_C_double_interval(-0x1p60, 0x1p60);
-        x[k].y = Frama_C_double_interval(-0x1p60, 0x1p60);
-        x[k].z = Frama_C_double_interval(-0x1p60, 0x1p60);
-    }
-    int kind = Frama_C_interval(0, 1);
-    if (kind)
+    int kind;
+    any_closest_normal(x, &kind);
+    struct wide normal = closest_normal(x, kind);
+    if (kind) {
+        any_closest_ee(x, &r);
         closest_ee(x, &r);
-    else
+    } else {
+        any_closest_vf(x, &r);
         closest_vf(x, &r);
+    }
+    struct wide n = closest_unit(normal, r.p);
+    any_closest_weights(&r, &kind, c);
     closest_weights(&r, kind, c);
-    struct wide n = closest_unit(closest_normal(x, kind), r.p);
     return n.x < 0;
 }

@@ -8,17 +8,13 @@ int ref_orient3(const point a, const point b, const point c, const point d);
   @ ensures -1 <= \result <= 1; */
 int ref_orient2(const point a, const point b, const point c, int u, int v);
 #include "ref/narrow/tritri.c"
+#include "eva/tritri.h"
 int main(void)
 {
     struct face t, s;
-    for (int j = 0; j < 3; j++) {
-        t.v[j] = Frama_C_interval(0, 0x7fffffff);
-        s.v[j] = Frama_C_interval(0, 0x7fffffff);
-        for (int k = 0; k < 3; k++) {
-            t.p[j][k] = Frama_C_double_interval(-0x1p60, 0x1p60);
-            s.p[j][k] = Frama_C_double_interval(-0x1p60, 0x1p60);
-        }
-    }
+    any_ref_plane(&t);
     struct plane p = ref_plane(&t);
+    any_ref_tritri(&t, &p, &s);
+    p = ref_plane(&t);
     return ref_tritri(&t, &p, &s);
 }

@@ -15,13 +15,25 @@ struct closest {
 };
 
 /* Closest points of vertex x[0] and the closed triangle x[1] x[2] x[3]. */
+/*@ requires \forall integer k; 0 <= k < 4 ==>
+  @     -0x1p60 <= x[k].x <= 0x1p60 && -0x1p60 <= x[k].y <= 0x1p60 &&
+  @     -0x1p60 <= x[k].z <= 0x1p60; */
 void closest_vf(const struct wide x[4], struct closest *r);
 /* Closest points of the closed segments x[0] x[1] and x[2] x[3]. */
+/*@ requires \forall integer k; 0 <= k < 4 ==>
+  @     -0x1p60 <= x[k].x <= 0x1p60 && -0x1p60 <= x[k].y <= 0x1p60 &&
+  @     -0x1p60 <= x[k].z <= 0x1p60; */
 void closest_ee(const struct wide x[4], struct closest *r);
 /* Rounds the weights to the build's precision, to multiples of a quantum, so
  * that the four add to 0 exactly; none gets the wrong sign. §2.3 */
+/*@ requires 0 <= kind <= 1;
+  @ requires \forall integer k; 0 <= k < 4 ==> -1 <= r->c[k] <= 1; */
 void closest_weights(const struct closest *r, int kind, real c[4]);
 /* The triangle's normal, or the cross product of the edges, not normalised. */
+/*@ requires \forall integer k; 0 <= k < 4 ==>
+  @     -0x1p60 <= x[k].x <= 0x1p60 && -0x1p60 <= x[k].y <= 0x1p60 &&
+  @     -0x1p60 <= x[k].z <= 0x1p60;
+  @ requires 0 <= kind <= 1; */
 struct wide closest_normal(const struct wide x[4], int kind);
 /* a times a power of two: where a is not zero its length is at least 2^-200, so
  * that no product of four such lengths underflows. §2.4 */

@@ -36,12 +36,17 @@ struct forms {
 
 /* Make the relative coordinates of a vertex and a face, or of two edges, from
  * positions x[t][vertex][axis]. */
+/*@ requires \forall integer t, j, k; 0 <= t < 2 && 0 <= j < 4 && 0 <= k < 3 ==>
+  @     -0x1.fffffffffffffp1023 <= x[t][j][k] <= 0x1.fffffffffffffp1023; */
 void motion_vf(double x[2][4][3], struct motion *m);
+/*@ requires \forall integer t, j, k; 0 <= t < 2 && 0 <= j < 4 && 0 <= k < 3 ==>
+  @     -0x1.fffffffffffffp1023 <= x[t][j][k] <= 0x1.fffffffffffffp1023; */
 void motion_ee(double x[2][4][3], struct motion *m);
 
 /* Runs tier 1 (§4). Returns FILTER_MISS, or FILTER_UNSURE with s complete.
  * Where the inputs are beyond the range of the proof, the result is
  * FILTER_UNSURE, *inside is false and s must not be used. */
+/*@ requires 3 <= m->count <= 4; */
 int filter_signs(const struct motion *m, struct forms *s, bool *inside);
 
 /* Maximum and minimum; both return b if a equals b. */

@@ -17,6 +17,9 @@ struct plane {
     point o, n, size;
 };
 
+/*@ requires \forall integer j; 0 <= j < 3 ==> 0 <= t->v[j];
+  @ requires \forall integer j, k; 0 <= j < 3 && 0 <= k < 3 ==>
+  @     -0x1p60 <= t->p[j][k] <= 0x1p60; */
 struct plane ref_plane(const struct face *t);
 
 /* True where the three corners lie on one line. */
@@ -25,6 +28,12 @@ bool ref_collinear(const struct face *t);
 /* True where t and s have a common point beyond the vertices and edges that
  * they share (§1.2). of_t is ref_plane(t). Neither triangle may be
  * degenerate. */
+/*@ requires \forall integer j; 0 <= j < 3 ==> 0 <= t->v[j];
+  @ requires \forall integer j, k; 0 <= j < 3 && 0 <= k < 3 ==>
+  @     -0x1p60 <= t->p[j][k] <= 0x1p60;
+  @ requires \forall integer j; 0 <= j < 3 ==> 0 <= s->v[j];
+  @ requires \forall integer j, k; 0 <= j < 3 && 0 <= k < 3 ==>
+  @     -0x1p60 <= s->p[j][k] <= 0x1p60; */
 bool ref_tritri(const struct face *t, const struct plane *of_t,
                 const struct face *s);
 
