@@ -29,6 +29,13 @@ $(BUILD)/equal/%.$(1).ll: $(BUILD)/equal/%.c | $(NAMES)
 	$$(call show,LLVM $$<$$(bits))$$(TO_LLVM) -MF $$@.d -DREAL_BITS=$(1) $$< -o $$@
 endef
 $(foreach bits,32 64,$(eval $(call twin_of,$(bits))))
+# Machine code of the wrappers for one kind of device, which ci/equal/sass.py reads.
+TO_CUBIN = $(filter-out -lineinfo -arch=% -ptx,$(TO_PTX)) -arch=sm_90 -cubin
+define cubin_of
+$(BUILD)/equal/%.$(1).cubin: $(BUILD)/equal/%.cu | $(NAMES)
+	$$(call show,CUBIN $$<$$(bits))$$(TO_CUBIN) -DREAL_BITS=$(1) $$< -o $$@
+endef
+$(foreach bits,32 64,$(eval $(call cubin_of,$(bits))))
 -include $(wildcard $(BUILD)/equal/*.d)
 
 # The device's side again, with other words in place of one of nvcc's command:

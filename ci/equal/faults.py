@@ -17,6 +17,8 @@ import subprocess
 import sys
 import tempfile
 
+import sass
+
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 BITS = "32"
 COULOMB = f"build/ptx/gpu/contact/coulomb.{BITS}.ptx"
@@ -80,6 +82,7 @@ COPIES = (
 
 
 VENV = os.path.join(ROOT, "build/equal/venv/bin/python")
+NVDISASM = sass.nvdisasm(os.path.join(ROOT, "build")) or "nvdisasm"
 # Of each prover: (command, what it needs, faults as above, with the line that fails).
 PROVERS = (
     ((VENV, "ci/equal/carries.py", "build"), VENV, (
@@ -148,6 +151,12 @@ PROVERS = (
          "ERROR_PARTED * dot_size(u, d)", "0 * dot_size(u, d)", "plane, reference 64"),
         ("the grid's bound that is not used", "gpu/narrow/point.cuh",
          "ERROR_ROUGH * size + UNDERFLOW_ROUGH", "UNDERFLOW_ROUGH", "rough, device 64"),
+    )),
+    ((sys.executable, "ci/equal/sass.py", "build", NVDISASM), NVDISASM, (
+        ("--fmad=true", "Makefile", "--fmad=false", "--fmad=true",
+         "cross 32 of machine code"),
+        ("a difference for a sum", "gpu/base/real.cuh", "a.xx + b.xx", "a.xx - b.xx",
+         "add_sym 64 of machine code"),
     )),
     (("sh", "ci/eva/eva.sh", "build"), "frama-c", (
         ("an index too far", "ref/narrow/filter.c",

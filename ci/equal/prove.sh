@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # Proves that device code performs the operations of ref/: ci/equal/prove.py, with the
 # solver in an environment of its own; that filters' bounds hold: bounds.py; and that
-# integers of many words lose no carry and have room: carries.py, bits.py; and that two
-# sets of flags are told apart: versions.py. What is not installed is skipped by name.
+# integers of many words lose no carry and have room: carries.py, bits.py; that two
+# sets of flags are told apart: versions.py; and that machine code has the operations of
+# the PTX: sass.py. What is not installed is skipped by name.
 # usage: ci/equal/prove.sh BUILD [OPTION...]; ends with `N passed, N failed, N skipped`
 set -eu
 cd "$(dirname "$0")/../.."
@@ -26,7 +27,7 @@ python=python3 coq=--coq
 case " $* " in
 *' --quick '*) coq= ;;
 *)
-    if [ ! -e "$venv/made" ]; then
+    if [ ! "$venv/made" -nt ci/equal/requirements.txt ]; then
         if python3 -m venv "$venv" && "$venv/bin/python" -m pip install -q \
             -r ci/equal/requirements.txt; then
             touch "$venv/made"
@@ -46,5 +47,6 @@ else
     echo "skipped: filters' bounds: there is no gappa"
 fi
 [ -z "$coq" ] || python3 ci/equal/versions.py "$build" || exit 1
+[ -z "$coq" ] || python3 ci/equal/sass.py "$build" || exit 1
 [ ! -e "$venv/made" ] || "$venv/bin/python" ci/equal/carries.py "$build" || exit 1
 exec "$python" ci/equal/prove.py "$build" "$@"

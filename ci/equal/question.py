@@ -240,9 +240,10 @@ def device_state(file, twin, memory, params, start):
     return state
 
 
-def question(build, twin, bits, again=False):
+def question(build, twin, bits, again=False, machine=None):
     """Pairs of terms that must be equal, and the condition under which. again: of the
-    device's side and the same by other flags, not of the reference and the device."""
+    device's side and the same by other flags, not of the reference and the device.
+    machine: of memory and a state what stands for the device's side (sass.py)."""
     group, memory = twin.group, Memory()
     module = parsed(f"{build}/equal/{group.name}.{bits}.ll", llvm.Module)
     names = map(table.link_name, group.linked)
@@ -270,8 +271,11 @@ def question(build, twin, bits, again=False):
         ref = device_state(file, twin, memory, params, start)
     else:
         _, ref = llvm.execute(module, function, memory, args, start.copy(), hooks)
-    file = device_file(build, twin, bits, False)
-    device = device_state(file, twin, memory, params, start)
+    if machine:
+        device = machine(memory, start)
+    else:
+        file = device_file(build, twin, bits, False)
+        device = device_state(file, twin, memory, params, start)
     private = [arg for (_, n), arg in zip(twin.params, args)
                if twin.kernel and n in ERRORS]
     return cells(memory, ref, device, private), given
