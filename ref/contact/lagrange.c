@@ -19,13 +19,9 @@
 enum { SOLVES = 12, MOST = 40, TRIALS = 12 };
 static const real LATE = 10;        /* §3.4: times `tolerance`, from then on */
 static const real FORCING = R(0.1); /* §3.2: tolerance of a linear system */
-static const real QUARTER = R(0.25); /* §3.2: of what the loop may leave, what
-                                        a linear system may */
-static const real ONCE = R(0.999); /* §3.2: a tolerance that takes one iteration
-                                      at least */
-static const real NESTED = R(0.3); /* §3.3: the inner residual is this part of
-                                      the outer one where multipliers are
-                                      renewed */
+static const real NESTED = R(0.3);  /* §3.3: the inner residual is this part of
+                                       the outer one where multipliers are
+                                       renewed */
 static const real SLOPE = R(0.1); /* §3.2: of the slope at a step's start, what
                                      a line search may leave */
 static const real GROSS = 2;      /* §4: of what cloths carry, what linear
@@ -47,7 +43,6 @@ struct loop {
     real scale;   /* §3.4 */
     real outer;   /* the last one */
     real met;     /* §4: what the pairs met last push */
-    real forcing; /* §3.2: tolerance of the next linear system */
     int from;     /* linear systems when this part of the slice began */
     int most;     /* linear systems */
     bool fresh;   /* the law was evaluated since M was made */
@@ -329,7 +324,7 @@ static void solve_step(struct loop *s)
     struct joint *j = &a->joint;
     make_preconditioner(s);
     j->b = a->law.inner;
-    j->tolerance = s->forcing;
+    j->tolerance = FORCING;
     j->max_iterations = s->w->def.max_iterations;
     if (!loop_continues(s))
         return;
@@ -540,19 +535,6 @@ static void keep_rest(struct loop *s)
                         (size_t)s->w->nc * sizeof *a->jump);
 }
 
-/* §3.2, §3.3: renews multipliers where the iterate is balanced with them, and
- * chooses how well the next system is solved. */
-static void renew_multipliers(struct loop *s, real enough)
-{
-    real left = measure_residual(s, s->a->law.inner);
-    if (left <= NESTED * s->outer) {
-        evaluate_contacts(s, false, true);
-        left = s->outer;
-    }
-    real part = left > 0 ? QUARTER * enough / left : 1;
-    s->forcing = real_max(FORCING, real_min(part, ONCE));
-}
-
 /* §3: false where the loop ends. */
 static bool iterate_loop(struct loop *s)
 {
@@ -576,7 +558,8 @@ static bool iterate_loop(struct loop *s)
         keep_rest(s);
         return needs_linearisation(s);
     }
-    renew_multipliers(s, enough);
+    if (measure_residual(s, a->law.inner) <= NESTED * s->outer)
+        evaluate_contacts(s, false, true);
     if (loop_continues(s))
         solve_step(s);
     return loop_continues(s);
