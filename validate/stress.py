@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Energy that steps gain in scenes drawn at random: sheets that fall on a drum, of any
-cells, stiffness, facets and steps. spec/limits.md, Energy
+cells, stiffness, facets and steps. spec/limits.md, Energy in contact
 
 usage: PYTHONPATH=build/python/package python -m validate.stress FIRST LAST
 (`make build/validate` makes that package.) Prints a line for each scene, of seeds from

@@ -547,7 +547,8 @@ static bool iterate_loop(struct loop *s)
     enough = loose ? UNDONE * s->carried : bound_end(s, enough);
     bool last = a->solves >= s->most;
     bool solved = !loose || s->moved || s->met <= tight;
-    bool answered = s->moved || s->clean; /* what was found to touch */
+    /* pairs that were found to touch wait for no system */
+    bool answered = s->moved || s->clean;
     bool done = solved && answered && s->outer <= enough;
     if (s->moved && (done || last || a->solves == s->from + 1) && find_met(s)) {
         take_met(s, loose);
