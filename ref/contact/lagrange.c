@@ -114,12 +114,14 @@ static struct contact *contacts_of(const struct loop *s)
     return c->contact[c->side].data;
 }
 
-/* The contacts' law at the iterate. lists: the contacts are others than before;
- * renews: multipliers are renewed first. */
+/* The contacts' law at the iterate, if the loop goes on. lists: the contacts are
+ * others than before; renews: multipliers are renewed first. */
 static void evaluate_contacts(struct loop *s, bool lists, bool renews)
 {
     struct world *w = s->w;
     struct coulomb *law = &s->a->law;
+    if (!loop_continues(s))
+        return;
     law->seams = seams_contacts(&w->seams);
     law->hinges = w->seams.n_hinges;
     law->knits = w->seams.grids != NULL;
@@ -141,8 +143,7 @@ static void evaluate_contacts(struct loop *s, bool lists, bool renews)
 static void close_contacts(struct loop *s)
 {
     s->a->law.closes = 1;
-    if (loop_continues(s))
-        evaluate_contacts(s, false, false);
+    evaluate_contacts(s, false, false);
     s->a->law.closes = 0;
 }
 
@@ -284,8 +285,7 @@ static void move_iterate(struct loop *s, real part)
     } else {
         w->run->unknowns_lessen(w->on, w->nc, part, j->q, s->a->rest);
     }
-    if (loop_continues(s))
-        evaluate_contacts(s, false, false);
+    evaluate_contacts(s, false, false);
 }
 
 /* The slope of the potential along the solution. */
@@ -499,8 +499,7 @@ static bool needs_linearisation(struct loop *s)
         return false;
     note_status(s, move_cloths(w, MOTION_BALANCE));
     take_rest(w);
-    if (loop_continues(s))
-        evaluate_contacts(s, false, false);
+    evaluate_contacts(s, false, false);
     real left = measure_residual(s, s->a->law.inner);
     if (!(left > GROSS * s->least))
         return false; /* whatever the cloths carry */
