@@ -6,6 +6,7 @@
 extern "C" {
 #include "gpu/contact/queue.h"
 #include "ref/contact/carry.h"
+#include "ref/contact/impulses.h"
 }
 
 /* The place in `kept` of what was kept of a pair, or -1. */
@@ -53,7 +54,7 @@ static __device__ real kappa_of(const struct carry *s, const struct contact *c,
     for (int j = 0; j < 4; j++)
         y += c->c[j] * c->c[j] * s->w[c->v[j]];
     if (c->lambda > 0)
-        wanted = c->lambda * s->tau / (CARRY_GIVE * thickness);
+        wanted = c->lambda * s->tau / (CONTACT_GIVE * thickness);
     return y > 0 ? max_of(CARRY_KAPPA / y, min_of(wanted, s->stiffest))
                  : R(0.0);
 }

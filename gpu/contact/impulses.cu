@@ -225,9 +225,18 @@ static __device__ bool is_last(const struct key *key, int64_t n, int64_t k)
            (k + 1 == n || !is_same_key(key[k], key[k + 1]));
 }
 
+/* §1: κ of a pair that touches again. */
+static __device__ real kappa_again(const struct impulses *s,
+                                   const struct contact *c)
+{
+    bool yields = c->impulse > 0 && c->kappa < s->stiffest;
+    return yields ? min_of(c->kappa / CONTACT_GIVE, s->stiffest) : c->kappa;
+}
+
 /* §1: the contact of a pair that the active set has as well goes on with its
  * multipliers. */
-static __device__ void inherit_multipliers(const struct contact *from,
+static __device__ void inherit_multipliers(const struct impulses *s,
+                                           const struct contact *from,
                                            struct contact *c)
 {
     bool swapped =
@@ -236,7 +245,7 @@ static __device__ void inherit_multipliers(const struct contact *from,
     c->lambda = from->lambda;
     c->lambda_t = axpy(t, -dot(c->n, t), c->n);
     c->load = from->load;
-    c->kappa = from->kappa;
+    c->kappa = kappa_again(s, from);
     c->rise = from->rise;
 }
 
@@ -251,7 +260,7 @@ static __device__ struct contact join_words(const struct impulses *s,
     struct contact c = contact_of(s, item - s->n_active);
     bool again = k > 0 && is_same_key(key[k - 1], key[k]);
     if (again && key[k - 1].item < s->n_active)
-        inherit_multipliers(&s->active[key[k - 1].item], &c);
+        inherit_multipliers(s, &s->active[key[k - 1].item], &c);
     return c;
 }
 

@@ -63,7 +63,7 @@ static real kappa_of(const struct carry *s, const struct contact *c,
     for (int j = 0; j < 4; j++)
         y += c->c[j] * c->c[j] * s->w[c->v[j]];
     real wanted =
-        c->lambda > 0 ? c->lambda * s->tau / (CARRY_GIVE * thickness) : 0;
+        c->lambda > 0 ? c->lambda * s->tau / (CONTACT_GIVE * thickness) : 0;
     return y > 0 ? real_max(CARRY_KAPPA / y, real_min(wanted, s->stiffest)) : 0;
 }
 

@@ -9,8 +9,6 @@
 
 /* §1.1: the part of an overlap that goes in a slice. */
 #define CARRY_RISE R(0.1)
-/* §1.2: of the thickness, by which κ yields to the load. */
-#define CARRY_GIVE R(0.03)
 /* §1.2: κ, in the masses that the contact moves. */
 #define CARRY_KAPPA R(30.0)
 

@@ -208,16 +208,24 @@ static bool is_same_key(const struct key *a, const struct key *b)
     return a->hi == b->hi && a->lo == b->lo;
 }
 
+/* §1: κ of a pair that touches again. */
+static real kappa_again(const struct impulses *s, const struct contact *c)
+{
+    bool yields = c->impulse > 0 && c->kappa < s->stiffest;
+    return yields ? real_min(c->kappa / CONTACT_GIVE, s->stiffest) : c->kappa;
+}
+
 /* §1: the contact of a pair that the active set has as well goes on with its
  * multipliers. */
-static void inherit_multipliers(const struct contact *from, struct contact *c)
+static void inherit_multipliers(const struct impulses *s,
+                                const struct contact *from, struct contact *c)
 {
     real order = from->v[0] == c->v[0] || from->v[0] == c->v[1] ? 1 : -1;
     vec t = vec_scale(c->kind == CONTACT_VF ? 1 : order, from->lambda_t);
     c->lambda = from->lambda;
     c->lambda_t = vec_axpy(t, -vec_dot(c->n, t), c->n);
     c->load = from->load;
-    c->kappa = from->kappa;
+    c->kappa = kappa_again(s, from);
     c->rise = from->rise;
 }
 
@@ -264,7 +272,7 @@ int ref_impulses(struct impulses *s)
         }
         emit_contact(s, item - s->n_active, &s->contact[k]);
         if (before[k].item >= 0)
-            inherit_multipliers(&s->active[before[k].item], &s->contact[k]);
+            inherit_multipliers(s, &s->active[before[k].item], &s->contact[k]);
     }
     return DRAPE_OK;
 }

@@ -7,6 +7,9 @@
 #include "ref/broad/tree.h"
 #include "ref/contact/contact.h"
 
+/* §1 and carry.md §1.2: of the thickness, by which κ yields to a load. */
+#define CONTACT_GIVE R(0.03)
+
 struct impulses {
     int64_t nv, n;              /* vertices, impacts */
     const int32_t *pair;        /* [n][4] v f f f or a a b b */
@@ -18,6 +21,7 @@ struct impulses {
     struct one_rings one_rings; /* the triangles around each vertex */
     real dt;                    /* s, > 0 */
     real margin;      /* ≥ 0, part of its thickness that a pair shall keep */
+    real stiffest;    /* kg, ≥ 0: no κ grows beyond */
     int64_t n_active; /* size of the active set */
     const struct contact *active; /* [n_active] contacts of earlier rounds */
 

@@ -8,6 +8,7 @@
 #include "ref/base/sum.h"
 #include "ref/cloth/motion.h"
 #include "ref/contact/carry.h"
+#include "ref/contact/impulses.h"
 #include "ref/contact/response.h"
 #include "ref/contact/unknowns.h"
 #include "ref/sleep/sleep.h"
@@ -114,8 +115,8 @@ static struct contact *contacts_of(const struct loop *s)
     return c->contact[c->side].data;
 }
 
-/* The contacts' law at the iterate, if the loop goes on. lists: the contacts are
- * others than before; renews: multipliers are renewed first. */
+/* The contacts' law at the iterate, if the loop goes on. lists: the contacts
+ * are others than before; renews: multipliers are renewed first. */
 static void evaluate_contacts(struct loop *s, bool lists, bool renews)
 {
     struct world *w = s->w;
@@ -549,6 +550,7 @@ static bool iterate_loop(struct loop *s)
     /* pairs that were found to touch wait for no system */
     bool answered = s->moved || s->clean;
     bool done = solved && answered && s->outer <= enough;
+    s->w->response.stiffest = done ? a->law.stiffest : 0;
     if (s->moved && (done || last || a->solves == s->from + 1) && find_met(s)) {
         take_met(s, loose);
         if (!last)
@@ -587,7 +589,7 @@ static void start_loop(struct loop *s)
     column = real_max(R(1e-30), real_min(column, R(1e30))); /* of any scale */
     a->law.reach = w->cell / 2;
     a->law.give = CARRY_RISE / column;
-    a->law.stiffest = column / (CARRY_GIVE * a->law.reach);
+    a->law.stiffest = column / (CONTACT_GIVE * a->law.reach);
     a->newton = w->plan.newton > 1;
     a->solves = a->iterations = a->renewals = a->outcome = 0;
     a->residual = 0;

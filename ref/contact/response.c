@@ -187,6 +187,7 @@ static int find_impulses(struct response *s, int pool, int64_t n, int side)
                          .one_rings = s->one_rings,
                          .dt = s->dt,
                          .margin = s->margin,
+                         .stiffest = s->stiffest,
                          .n_active = n,
                          .active = from->data,
                          .first = s->first};

@@ -44,6 +44,7 @@ static struct contact *pick_active(struct bytes *b, const struct impulses *s)
         c[k].load = pick_uniform(b, 0, 1);
         c[k].kappa = pick_uniform(b, 0, 1);
         c[k].rise = pick_uniform(b, -1, 1);
+        c[k].impulse = real_max(pick_uniform(b, -1, 1), 0);
     }
     return c;
 }
@@ -57,6 +58,7 @@ void gen_impulses(struct bytes *b, struct impulses *s)
     s->surfaces.n = 1;
     s->dt = R(1.0) / 60;
     s->margin = R(0.25);
+    s->stiffest = pick(b, 2) ? 0 : pick_uniform(b, 0, 50);
     int32_t *pair = take(b, 4 * s->n, sizeof *pair);
     uint8_t *kind = take(b, s->n, 1);
     uint32_t *toi = take(b, s->n, sizeof *toi);
@@ -167,7 +169,8 @@ static const struct contact *find_old(const struct impulses *s,
 }
 
 /* §1: a contact that takes the place of an active one goes on with its
- * multipliers, on its own side A and across its own normal. */
+ * multipliers, on its own side A and across its own normal, and with a larger κ
+ * if the old one pushed. */
 static const char *check_edited(const struct impulses *s,
                                 const struct contact *c)
 {
@@ -180,7 +183,10 @@ static const char *check_edited(const struct impulses *s,
     if (!old || others != 2 || !are_different(c->v))
         return NULL;
     EXPECT(c->lambda == old->lambda && c->load == old->load);
-    EXPECT(c->kappa == old->kappa && c->rise == old->rise);
+    EXPECT(c->rise == old->rise);
+    real more = real_min(old->kappa / CONTACT_GIVE, s->stiffest);
+    bool grows = old->impulse > 0 && more > old->kappa;
+    EXPECT(c->kappa == (grows ? more : old->kappa));
     bool a = c->v[0] == old->v[0] || c->v[0] == old->v[1];
     vec t = vec_scale(c->kind == CONTACT_VF || a ? 1 : -1, old->lambda_t);
     vec off = vec_sub(vec_axpy(t, -vec_dot(c->n, t), c->n), c->lambda_t);
