@@ -10,7 +10,7 @@ nvcc makes of gpu/: which products are added, how many roundings each meets, and
 the magnitudes are not those of the products, or the comparison has no such bound, the
 proof fails; so does one with another C. Of the roundings a Gappa script is written, in
 BUILD/equal/bounds, and Gappa's bound must be below C by a hundredth, but not by far.
-Of other shapes are the bounds of margins.py.
+Of other shapes are the bounds of margins.py and nearest.py.
 --coq: Gappa's proofs are exported to Coq, which checks them.
 """
 import collections
@@ -23,6 +23,7 @@ import sys
 
 import floats
 import margins
+import nearest
 import prove
 import question
 import table
@@ -208,6 +209,9 @@ def margins_of(results, build, folder):
         results.tell(constant == defined(path, name), f"{what} is {constant.hex()}")
     with concurrent.futures.ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
         list(pool.map(gappa, dict.fromkeys(text for _, text, _ in jobs)))
+    for good, what in nearest.checks([(what, text) for what, text, _ in jobs
+                                      if what.startswith("closest_point,")]):
+        results.tell(good, what)
     for what, text, constant in jobs:
         proved = gappa(text)
         good = proved and constant / 64 < proved <= 0.99 * constant

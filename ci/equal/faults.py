@@ -151,6 +151,22 @@ PROVERS = (
          "ERROR_PARTED * dot_size(u, d)", "0 * dot_size(u, d)", "plane, reference 64"),
         ("the grid's bound that is not used", "gpu/narrow/point.cuh",
          "ERROR_ROUGH * size + UNDERFLOW_ROUGH", "UNDERFLOW_ROUGH", "rough, device 64"),
+        ("closest points summed in another order", "ref/narrow/closest.c",
+         "wide_scale(c[1], y[1]);\n    p = wide_axpy(p, c[2], y[2]);\n"
+         "    p = wide_axpy(p, c[3], y[3]);",
+         "wide_scale(c[3], y[3]);\n    p = wide_axpy(p, c[2], y[2]);\n"
+         "    p = wide_axpy(p, c[1], y[1]);",
+         "spec/proofs/closest_point.gappa, closest_point, reference 64"),
+        ("a parameter that is not clamped", "gpu/contact/closest.cuh",
+         "return a < b ? a / b : 1;", "return a / b;", "closest, device 64"),
+        ("the shortest p times 0.99", "gpu/contact/proximity.cu",
+         "r->length2 > 0x1p-80 * r->size2", "r->length2 > 0.99 * 0x1p-80 * r->size2",
+         "shortest p with a direction, device"),
+        ("the shortest p that is not used", "ref/contact/proximity.c",
+         "r->length2 > 0x1p-80 * r->size2", "r->length2 > 0",
+         "shortest p with a direction, reference"),
+        ("an axis without room", "gpu/contact/far.cuh",
+         "(1 + R(0x1p-10)) * (square * dd)", "square * dd", "room of an axis, device"),
     )),
     ((sys.executable, "ci/equal/sass.py", "build", NVDISASM), NVDISASM, (
         ("--fmad=true", "Makefile", "--fmad=false", "--fmad=true",

@@ -9,6 +9,7 @@ which nothing is proved do.
 import re
 
 import floats
+import nearest
 from scripts import Script, bare, is_power, place, rest_of_one, scaled
 from term import Unsupported, is_float, order
 
@@ -19,7 +20,7 @@ PARTS = 4  # into which a time's [0, 1] is split
 # Rows of ci/equal/twins.def that are read.
 ROWS = ("cubic_of", "errors_of", "axis_forms", "restrict_form", "restrict_cubic",
         "cubic_at", "apart_on", "touching_on", "roots_on", "box_error", "between",
-        "meets", "spread", "rough_at", "parted", "parted_corner")
+        "meets", "spread", "rough_at", "parted", "parted_corner", *nearest.ROWS)
 FILTER = ("ref/narrow/filter.c", "gpu/narrow/filter.cuh")
 
 
@@ -91,7 +92,8 @@ class Reader:
     def parts(self):
         """What is read of this side."""
         return (self.forms, self.cubic, self.limits, self.box_forms, self.reach,
-                self.late, self.cones, self.plane, *([self.rough] if self.side else []))
+                self.late, self.cones, self.plane, self.closest,
+                *([self.rough] if self.side else []))
 
     def terms(self, row):
         """What a row leaves in memory."""
@@ -287,6 +289,12 @@ class Reader:
             for term in values(self.terms(row)):
                 _, _, small = one_scale(term)
                 self.use("UNDERFLOW", small, paths)
+
+    def closest(self):
+        """closest_point, whose constant is its page's."""
+        constant = nearest.on_page(nearest.COMPONENT)
+        for text in nearest.scripts_of(self.terms, values):
+            self.job("closest_point", text, constant)
 
     def rough(self):
         """narrow_rough, which only the device has."""
