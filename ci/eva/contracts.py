@@ -5,12 +5,17 @@ prototypes in CONTRACTS, which Frama-C reads as they are.
 
 usage: ci/eva/contracts.py inputs FILE   inputs that a header's contracts allow, for Eva
        ci/eva/contracts.py asserts BITS  functions that assert a contract at run time
+       ci/eva/contracts.py within FILE BITS  a source whose own calls are asserted, too
        ci/eva/contracts.py flags         the linker's flags that put them in between
+       ci/eva/contracts.py real          its flags for calls within a file only
        ci/eva/contracts.py names         the functions that have a contract
+       ci/eva/contracts.py calls         of each, its calls within its own file
 
 inputs: any_NAME(arguments) gives each value that a contract bounds any value within
 its bounds. asserts: __wrap_NAME, which the linker calls in place of NAME from other
-files, ends the program where a clause does not hold, and calls NAME.
+files, ends the program where a clause does not hold, and calls NAME. The linker does
+not see calls within the file that defines NAME: `within` writes this file with
+__wrap_NAME in those calls.
 
 A clause is a conjunction of `low <= value <= high` and `low <= value`, behind `\\forall integer k, …; low <= k < high && … ==>` where it is of arrays.
 """
@@ -123,12 +128,60 @@ def asserts(bits):
         print(f"{{\n{checks}\n    {result}{call}\n}}")
 
 
-def main(what, of=None):
+def wrapped(name, bits):
+    """What is called in place of a function."""
+    return f"__wrap_{name}_{bits}"
+
+
+def source_of(path):
+    """A header's source, whose comments are empty lines."""
+    with open(path[:-1] + "c", encoding="utf-8") as file:
+        return re.sub(r"/\*.*?\*/", lambda m: "\n" * m[0].count("\n"), file.read(),
+                      flags=re.S)
+
+
+def calls_in(text, name):
+    """The places of a function's calls: its name where the line does not begin with a
+    definition. A name without arguments would be a call that is not seen."""
+    places = list(re.finditer(rf"\b{name}\b", text))
+    if any(text[m.end()] != "(" for m in places):
+        raise SystemExit(f"{name}: a use that is no call")
+    return [m for m in places
+            if text[text.rfind("\n", 0, m.start()) + 1].isspace()]
+
+
+def within(path, bits):
+    """A source with its own calls of functions that have a contract in other words."""
+    header = path[:-1] + "h"
+    text, known = source_of(header), ""
+    for name, prototype, *_ in contracts([header]):
+        for call in reversed(calls_in(text, name)):
+            text = text[:call.start()] + wrapped(name, bits) + text[call.end():]
+        known += re.sub(rf"\b{name}\(", wrapped(name, bits) + "(", prototype) + ";\n"
+    print(f'#include "{header}"\n{known}#line 1 "{path}"\n{text}', end="")
+
+
+def calls():
+    """Prints of each function that has a contract how many calls its own file has."""
+    for path in CONTRACTS:
+        text = source_of(path)
+        for name, *_ in contracts([path]):
+            print(name, len(calls_in(text, name)), path[:-1] + "c")
+
+
+def main(what, of=None, bits=None):
     """Prints what is asked."""
     if what == "inputs":
         inputs(of)
     elif what == "asserts":
         asserts(of)
+    elif what == "within":
+        within(of, bits)
+    elif what == "calls":
+        calls()
+    elif what == "real":
+        print(" ".join(f"-Wl,--defsym=__real_{name}_{k}={name}_{k}"
+                       for name, *_ in contracts() for k in (32, 64)))
     elif what == "flags":
         print(" ".join(f"-Wl,--wrap={name}_{bits}" for name, *_ in contracts()
                        for bits in (32, 64)))

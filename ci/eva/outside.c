@@ -63,7 +63,7 @@ static void call_exact(const char *name)
     double q[3] = {0, 0, beyond(0x1p60)};
     for (int k = 0; k < 3; k++) {
         s.v[k] += 3;
-        s.p[k][2] = q[2];
+        s.p[k][2] = k ? q[2] : -q[2]; /* on both sides of t's plane */
     }
     if (strcmp(name, "ref_orient3") == 0)
         (void)ref_orient3(t.p[0], t.p[1], t.p[2], q);
