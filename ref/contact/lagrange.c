@@ -158,13 +158,16 @@ static void clear_asleep(const struct loop *s)
     sleep_clear(s->w, j->item, sizeof *j->item);
 }
 
-/* The matrices of the seams that the preconditioner has; NULL: none. */
-static void take_matrices(struct loop *s, const struct contact *seams)
+/* The matrices of the seams that the preconditioner has, or none. */
+static void take_matrices(struct loop *s, bool some)
 {
     struct world *w = s->w;
-    if (w->seams.grids)
-        w->run->seam_matrix(w->on, w->seams.grids->n, seams,
-                            w->seams.grids->kappa);
+    const struct coulomb *law = &s->a->law;
+    if (!w->seams.grids)
+        return; /* a world without contacts may have no pool of them */
+    const struct contact *seams = law->contact + (law->n - law->seams);
+    w->run->seam_matrix(w->on, w->seams.grids->n, some ? seams : NULL,
+                        w->seams.grids->kappa);
 }
 
 /* The preconditioner, of the matrix at the iterate, if it is of another one;
@@ -192,7 +195,7 @@ static void make_preconditioner(struct loop *s)
                               .start = law->start,
                               .item = law->item,
                               .push = j->links.push};
-    take_matrices(s, law->contact + (law->n - law->seams));
+    take_matrices(s, true);
     if (loop_continues(s))
         note_status(s, w->run->joint_set_up(w, j));
 }
@@ -637,7 +640,7 @@ static void take_jump(struct loop *s, const struct retain *r)
     j->b = a->jump;
     j->bound = j->single = a->bare;
     j->links.n = j->links.n4 = 0;
-    take_matrices(s, NULL);
+    take_matrices(s, false);
     j->links.start = a->none;
     j->tolerance = (real)w->def.tolerance;
     j->max_iterations = w->def.max_iterations;
