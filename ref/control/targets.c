@@ -16,14 +16,12 @@ int control_take_targets(struct world *w)
     return t->from && t->to ? DRAPE_OK : w->run->status(w->on);
 }
 
-/* §3: a target is set: the vertices go there from where they are. */
+/* §3: a target is set; a vertex without one stays. */
 static void arm_targets(struct world *w)
 {
     size_t bytes = (size_t)w->nv * sizeof *w->x0;
-    if (!w->targets.armed) { /* a vertex without a target stays */
-        w->run->copy(w->on, w->targets.from, w->x0, bytes);
+    if (!w->targets.armed)
         w->run->copy(w->on, w->targets.to, w->x0, bytes);
-    }
     w->targets.armed = true;
     w->plan.prescribed = true;
     sleep_wake(w);
@@ -32,6 +30,9 @@ static void arm_targets(struct world *w)
 void control_begin(struct world *w)
 {
     bool moves = false;
+    if (w->targets.armed) /* from where they are, whatever was set since */
+        w->run->copy(w->on, w->targets.from, w->x0,
+                     (size_t)w->nv * sizeof *w->x0);
     for (int k = 0; k < w->def.n_obstacles && w->targets.armed; k++)
         moves |= w->prop[k].targeted && !w->prop[k].moves;
     w->broad.restless = moves;

@@ -267,7 +267,6 @@ static void commit_targets(struct world *w, const vec *to, const vec *x)
     w->targets.armed = to != NULL;
     if (!w->targets.to)
         return;
-    w->run->send(w->on, w->targets.from, x, bytes);
     w->run->send(w->on, w->targets.to, to ? to : x, bytes);
 }
 
@@ -324,7 +323,6 @@ static void inherit_targets(struct world *w, const struct edited *edited)
     size_t bytes = (size_t)w->nv * sizeof *w->x0;
     int bodies = w->def.n_cloths + w->def.n_obstacles;
     w->targets.armed = old->armed && has_changes(w);
-    w->run->copy(w->on, w->targets.from, w->x0, bytes);
     w->run->copy(w->on, w->targets.to, w->x0, bytes);
     for (int k = 0; k < bodies && w->targets.armed; k++) {
         if (edited->from[k] < 0)
