@@ -21,7 +21,7 @@ struct impulses {
     struct one_rings one_rings; /* the triangles around each vertex */
     real dt;                    /* s, > 0 */
     real margin;      /* ≥ 0, part of its thickness that a pair shall keep */
-    real stiffest;    /* kg, ≥ 0: no κ grows beyond */
+    real stiffest;    /* kg, ≥ 0: no κ grows beyond; 0: none grows */
     int64_t n_active; /* size of the active set */
     const struct contact *active; /* [n_active] contacts of earlier rounds */
 

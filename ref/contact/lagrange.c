@@ -553,6 +553,7 @@ static bool iterate_loop(struct loop *s)
     /* pairs that were found to touch wait for no system */
     bool answered = s->moved || s->clean;
     bool done = solved && answered && s->outer <= enough;
+    /* impulses.md §1: only what is in balance shows that a κ is too small */
     s->w->response.stiffest = done ? a->law.stiffest : 0;
     if (s->moved && (done || last || a->solves == s->from + 1) && find_met(s)) {
         take_met(s, loose);

@@ -33,7 +33,7 @@ struct response {
     real range;      /* > 0: pairs nearer than so many times their thickness
                         are contacts */
     real margin;     /* of its thickness that an impact shall leave, ≥ 0 */
-    real stiffest;   /* kg, ≥ 0: no κ grows beyond (coulomb.h) */
+    real stiffest;   /* kg, ≥ 0: no κ grows beyond; 0: none grows */
     int iterations;  /* of contacts in an early round, ≥ 0 */
     int max_rounds;  /* of impulses, ≥ 0 */
     int zone_rounds; /* ≥ 0, after those */
