@@ -45,6 +45,14 @@ static __device__ real push_of(const struct coulomb *s, const struct contact *c,
     return max_of(push, R(0.0));
 }
 
+/* §2: z of contact c by multiplier lambda_t, without the part along n that
+ * rounding left. */
+static __device__ vec drag_of(const struct contact *c, vec lambda_t, vec slip)
+{
+    vec z = axpy(lambda_t, -c->kappa, slip);
+    return axpy(z, -dot(c->n, z), c->n);
+}
+
 /* §3.2: whether contact c moves one vertex alone. */
 static __device__ bool is_single(const struct coulomb *s,
                                  const struct contact *c)
@@ -110,7 +118,7 @@ KERNEL coulomb_evaluate_kernel(const struct coulomb &s, int64_t *words)
         renew_multipliers(&s, c);
     vec n = c->n, v = scale(s.dt / s.tau, pair_sum(c, s.u));
     real along = dot(n, v), lack = c->target * (s.dt / s.tau) - along;
-    vec slip = axpy(v, -along, n), z = axpy(c->lambda_t, -c->kappa, slip);
+    vec slip = axpy(v, -along, n), z = drag_of(c, c->lambda_t, slip);
     c->impulse = push_of(&s, c, c->lambda, lack);
     if (s.closes)
         c->load = c->impulse;
@@ -128,7 +136,7 @@ KERNEL coulomb_evaluate_kernel(const struct coulomb &s, int64_t *words)
                                                               : CONTACT_MUTUAL;
     real load = c->impulse, next = push_of(&s, c, load, lack);
     vec drag = cut_length(c->tangent, c->friction * load);
-    drag = cut_length(axpy(drag, -c->kappa, slip), c->friction * load);
+    drag = cut_length(drag_of(c, drag, slip), c->friction * load);
     s.next[k] = axpy(drag, next, n);
 }
 

@@ -41,6 +41,14 @@ static real push_of(const struct coulomb *s, const struct contact *c,
                     0);
 }
 
+/* §2: z of contact c by multiplier lambda_t, without the part along n that
+ * rounding left. */
+static vec drag_of(const struct contact *c, vec lambda_t, vec slip)
+{
+    vec z = vec_axpy(lambda_t, -c->kappa, slip);
+    return vec_axpy(z, -vec_dot(c->n, z), c->n);
+}
+
 /* §3.2: whether contact c moves one vertex alone, so that its matrix is a
  * block. */
 static bool is_single(const struct coulomb *s, const struct contact *c)
@@ -103,7 +111,7 @@ static void evaluate_contact(const struct coulomb *s, int64_t k)
     real along = vec_dot(c->n, v);
     real lack = c->target * (s->dt / s->tau) - along;
     vec slip = vec_axpy(v, -along, c->n);
-    vec z = vec_axpy(c->lambda_t, -c->kappa, slip);
+    vec z = drag_of(c, c->lambda_t, slip);
     c->impulse = push_of(s, c, c->lambda, lack);
     if (s->closes)
         c->load = c->impulse;
@@ -122,7 +130,7 @@ static void evaluate_contact(const struct coulomb *s, int64_t k)
     /* §2.2: the impulse by renewed multipliers, for outer */
     real load = c->impulse, next = push_of(s, c, load, lack);
     vec drag = cut_length(c->tangent, c->friction * load);
-    drag = cut_length(vec_axpy(drag, -c->kappa, slip), c->friction * load);
+    drag = cut_length(drag_of(c, drag, slip), c->friction * load);
     s->next[k] = vec_axpy(drag, next, c->n);
 }
 
