@@ -7,6 +7,8 @@
 #define _GNU_SOURCE /* NOLINT(bugprone-reserved-identifier) */
 #include "ref/base/threads.h"
 
+#include "ref/base/stage.h"
+
 #include <sched.h>
 #include <signal.h>
 #include <stddef.h>
@@ -174,6 +176,36 @@ void threads_parallel(void run(void *data), void *data, unsigned most,
     }
     run_parts(t);
     wait_for_parts(t);
+}
+
+/* The parts of threads_each. */
+struct each {
+    void (*part)(void *user, int k);
+    void *user;
+    int n;
+    atomic_int next;
+};
+
+static void run_each(void *data)
+{
+    struct each *e = data;
+    for (int k; (k = atomic_fetch_add(&e->next, 1)) < e->n;)
+        e->part(e->user, k);
+}
+
+void threads_each(int n, bool spread, void part(void *user, int k), void *user)
+{
+    struct each e = {.part = part, .user = user, .n = n};
+    if (spread)
+        threads_parallel(run_each, &e, 0, 0);
+    for (int k = 0; k < n && !spread; k++)
+        part(user, k);
+}
+
+bool threads_spread(int64_t most, int64_t all)
+{
+    int n = pool ? pool->asked : 1;
+    return n > 1 && most < all && (most <= STAGE_MANY || most * n <= all);
 }
 
 void threads_begin(struct threads *t, int threads)

@@ -7,6 +7,7 @@
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdbool.h>
+#include <stdint.h>
 
 /* The size of a pool is at most twice the number of processors, but at least
  * THREADS_SOME and never above THREADS_MOST: more threads would only take
@@ -50,6 +51,14 @@ void threads_parallel(void run(void *data), void *data, unsigned most,
                       unsigned flags);
 int threads_number(void);
 int threads_count(void);
+/* Calls part(user, k) once for each k below n. spread: side by side, each
+ * within one thread, which takes the next k when it is free; else one after the
+ * other, and all threads share the loops of each. */
+void threads_each(int n, bool spread, void part(void *user, int k), void *user);
+/* Whether parts that have `all` items together, the greatest `most` of them,
+ * are done sooner side by side: none is more than a thread's share, or none has
+ * loops that threads would share. */
+bool threads_spread(int64_t most, int64_t all);
 /* Called with 1 before and with -1 after a loop that runs in one part: between,
  * the part has number 0 of 1. */
 void threads_serial(int by);

@@ -4,6 +4,7 @@
 #include "ref/solve/joint.h"
 
 #include "ref/base/sum.h"
+#include "ref/base/threads.h"
 #include "ref/sleep/sleep.h"
 #include "ref/solve/product.h"
 #include "ref/solve/sewn.h"
@@ -35,17 +36,50 @@ static struct sewn *put_cloths(struct world *w, struct joint *a)
     return w->seams.grids;
 }
 
+/* What is done with all cloths that are awake. */
+struct cloth_part {
+    struct world *w;
+    const struct joint *a;
+    void (*part)(struct cloth_part *p, const struct sheet *s);
+    const vec *x; /* [nc] of a product */
+    vec *y;
+    bool with_singles;
+    atomic_int status; /* of those that failed */
+};
+
+static void run_cloth(void *user, int k)
+{
+    struct cloth_part *p = user;
+    if (sleep_awake(p->w, k))
+        p->part(p, &p->w->sheet[k]);
+}
+
+static int each_cloth(struct cloth_part *p)
+{
+    const struct world *w = p->w;
+    int64_t most = 0, all = 0;
+    for (int k = 0; k < w->def.n_cloths; k++) {
+        int64_t n = sleep_awake(w, k) ? w->sheet[k].cloth.count : 0;
+        most = n > most ? n : most;
+        all += n;
+    }
+    threads_each(w->def.n_cloths, threads_spread(most, all), run_cloth, p);
+    return atomic_load(&p->status);
+}
+
+static void set_up_cloth(struct cloth_part *p, const struct sheet *s)
+{
+    struct pcg m = part_of(s, p->a);
+    int status = pcg_open(&m);
+    status = status == DRAPE_OK ? ref_pcg_set_up(&m) : status;
+    if (status != DRAPE_OK)
+        atomic_store(&p->status, status);
+}
+
 int ref_joint_set_up(struct world *w, struct joint *a)
 {
-    int status = DRAPE_OK;
-    for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++) {
-        struct pcg p = part_of(&w->sheet[k], a);
-        if (!sleep_awake(w, k))
-            continue;
-        status = pcg_open(&p);
-        if (status == DRAPE_OK)
-            status = ref_pcg_set_up(&p);
-    }
+    struct cloth_part p = {.w = w, .a = a, .part = set_up_cloth};
+    int status = each_cloth(&p);
     if (status == DRAPE_OK && w->seams.grids)
         ref_sewn_set_up(put_cloths(w, a));
     return status;
@@ -59,37 +93,47 @@ static real dot_streams(struct joint *a, const vec *x, const vec *y)
     return d.value;
 }
 
+static void precondition_cloth(struct cloth_part *p, const struct sheet *s)
+{
+    struct pcg m = part_of(s, p->a);
+    m.s = p->y + s->first;
+    pcg_open(&m);
+    pcg_precondition(&m);
+}
+
 /* Sets q to M⁻¹ r, cloth by cloth, and returns r·q. */
 static real apply_preconditioner(struct world *w, struct joint *a)
 {
+    struct cloth_part p = {
+        .w = w, .a = a, .part = precondition_cloth, .y = a->q};
     if (w->seams.grids)
         ref_sewn_cycle(put_cloths(w, a));
-    for (int k = 0; k < w->def.n_cloths && !w->seams.grids; k++) {
-        struct pcg p = part_of(&w->sheet[k], a);
-        if (!sleep_awake(w, k))
-            continue;
-        p.s = a->q + w->sheet[k].first;
-        pcg_open(&p);
-        pcg_precondition(&p);
-    }
+    else
+        each_cloth(&p);
     return dot_streams(a, a->r, a->q);
+}
+
+static void multiply_cloth(struct cloth_part *p, const struct sheet *s)
+{
+    const struct pcg *a = &s->solver.pcg;
+    struct product m = pcg_product(a, p->x + s->first, p->y + s->first);
+    m.n_extra = p->with_singles ? a->count : 0;
+    m.extra = p->a->single + s->first;
+    m.block = s->dynamics.block;
+    ref_product(&m);
 }
 
 /* y = A x, or (A + single) x, 0 where fixed. */
 static void multiply_matrix(struct world *w, const struct joint *a,
                             bool with_singles, const vec *x, vec *y)
 {
-    for (int k = 0; k < w->def.n_cloths; k++) {
-        const struct sheet *s = &w->sheet[k];
-        const struct pcg *p = &s->solver.pcg;
-        if (!sleep_awake(w, k))
-            continue;
-        struct product m = pcg_product(p, x + s->first, y + s->first);
-        m.n_extra = with_singles ? p->count : 0;
-        m.extra = a->single + s->first;
-        m.block = s->dynamics.block;
-        ref_product(&m);
-    }
+    struct cloth_part p = {.w = w,
+                           .a = a,
+                           .part = multiply_cloth,
+                           .x = x,
+                           .y = y,
+                           .with_singles = with_singles};
+    each_cloth(&p);
     EACH_ITEM
     for (int64_t i = 0; i < a->nc; i++)
         if (!(w->w[i] > 0))

@@ -3,6 +3,7 @@
  * cloth, and the seams are on all of them. spec/solve/sewn.md */
 #include "ref/solve/sewn.h"
 
+#include "ref/base/threads.h"
 #include "ref/solve/coarsen.h"
 #include "ref/solve/jacobi.h"
 #include "ref/solve/level.h"
@@ -44,14 +45,34 @@ void ref_sewn_put(struct sewn *s, int k, const struct multigrid *grid,
     multigrid_lay_out(&c->grid, c->l);
 }
 
+/* What is done with grid k of all cloths that are awake. */
+struct cloth_part {
+    const struct sewn *s;
+    int k;
+    void (*part)(const struct multigrid *s, const struct level *l, int k);
+};
+
+static void run_cloth(void *user, int c)
+{
+    const struct cloth_part *p = user;
+    const struct sewn_cloth *cloth = &p->s->cloth[c];
+    if (cloth->awake)
+        p->part(&cloth->grid, cloth->l, p->k);
+}
+
 /* Calls part(…) for all cloths that are awake. */
 static void each_cloth(const struct sewn *s, int k,
                        void (*part)(const struct multigrid *s,
                                     const struct level *l, int k))
 {
-    for (int c = 0; c < s->cloths; c++)
-        if (s->cloth[c].awake)
-            part(&s->cloth[c].grid, s->cloth[c].l, k);
+    struct cloth_part p = {s, k, part};
+    int64_t most = 0, all = 0;
+    for (int c = 0; c < s->cloths; c++) {
+        int64_t n = s->cloth[c].awake ? s->cloth[c].l[k].count : 0;
+        most = n > most ? n : most;
+        all += n;
+    }
+    threads_each(s->cloths, threads_spread(most, all), run_cloth, &p);
 }
 
 /* §2: what the links of a row of grid k answer to x. */
@@ -216,7 +237,7 @@ void ref_sewn_set_up(struct sewn *s)
 /* §2: the residual of grid k gains what its seams push. */
 static void answer_down(const struct sewn *s, int k)
 {
-    EACH_MANY(s->row_at[k + 1] - s->row_at[k])
+    EACH_ITEM
     for (int64_t i = s->row_at[k]; i < s->row_at[k + 1]; i++) {
         const struct sewn_row *row = &s->row[i];
         const struct sewn_cloth *c = &s->cloth[row->cloth];
@@ -232,7 +253,7 @@ static void answer_down(const struct sewn *s, int k)
  * they are found and kept before it. */
 static void answer_up(const struct sewn *s, int k)
 {
-    EACH_MANY(s->row_at[k + 1] - s->row_at[k])
+    EACH_ITEM
     for (int64_t i = s->row_at[k]; i < s->row_at[k + 1]; i++)
         s->answer[i - s->row_at[k]] = row_answer(s, k, &s->row[i]);
     each_cloth(s, k, multigrid_smooth);

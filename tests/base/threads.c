@@ -69,6 +69,59 @@ const char *test_threads_parts(void)
     return NULL;
 }
 
+/* How often the loop of each part ran, in how many parts of its own. */
+struct each {
+    atomic_int count[PARTS];
+};
+
+static void count_part(void *count)
+{
+    atomic_fetch_add((atomic_int *)count, 1);
+}
+
+static void run_one(void *user, int k)
+{
+    struct each *s = user;
+    threads_parallel(count_part, &s->count[k], 0, 0);
+}
+
+/* Side by side each part runs once, within one thread; one after the other all
+ * threads share its loops. */
+const char *test_threads_each(void)
+{
+    for (int n = 1; n <= 4; n++)
+        for (int spread = 0; spread < 2; spread++) {
+            struct threads t;
+            struct each s = {{0}};
+            threads_begin(&t, n);
+            for (int k = 0; k < LOOPS / 10; k++)
+                threads_each(PARTS, spread, run_one, &s);
+            threads_end(&t);
+            int shared = spread ? 1 : n;
+            for (int k = 0; k < PARTS; k++)
+                EXPECT(atomic_load(&s.count[k]) == LOOPS / 10 * shared);
+            ran(LOOPS / 10);
+        }
+    return NULL;
+}
+
+/* What is spread: nothing by one thread, nothing that is one part, and neither
+ * a cloth that several threads could share. */
+const char *test_threads_spread(void)
+{
+    struct threads t;
+    EXPECT(!threads_spread(10, 100));
+    threads_begin(&t, 4);
+    bool right = threads_spread(10, 11) && !threads_spread(10, 10) &&
+                 threads_spread(STAGE_MANY, STAGE_MANY + 1) &&
+                 threads_spread(100000, 400000) &&
+                 !threads_spread(100001, 400000) && !threads_spread(0, 0);
+    threads_end(&t);
+    EXPECT(right);
+    ran(7);
+    return NULL;
+}
+
 /* Waits ten seconds at most for *flag to become `want`; whether it did. */
 static bool becomes(atomic_int *flag, int want)
 {
