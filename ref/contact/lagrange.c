@@ -27,8 +27,8 @@ static const real SLOPE = R(0.1); /* §3.2: of the slope at a step's start, what
                                      a line search may leave */
 static const real GROSS = 2;      /* §4: of what cloths carry, what linear
                                      springs may leave undone */
-static const real UNDONE = R(0.05); /* §3.4: of the same, what a slice may leave
-                                     undone */
+static const real UNDONE = R(0.05); /* §4: of the same, what Newton's part may
+                                       leave undone */
 static const real EARTH = R(9.81);  /* §3.4: m/s², the least g of the scale */
 static const real STRUCK = R(0.5);  /* §5: of g dt */
 static const real COLUMN_MODULUS = R(1e4); /* Pa, coulomb.md §1: the modulus of
@@ -517,15 +517,16 @@ static bool needs_linearisation(struct loop *s)
     return loop_continues(s);
 }
 
-/* §3.4: whatever presses, an end leaves at most a part of what the cloths
- * carry, of which what gravity does is the least and is known. */
+/* §3.4: whatever presses, linear springs end with a tenth of what they may
+ * leave undone (4), of which what gravity does is the least and is known. */
 static real bound_end(struct loop *s, real enough)
 {
-    if (enough <= UNDONE * s->least)
+    const real part = FORCING * GROSS;
+    if (enough <= part * s->least)
         return enough;
     if (s->carried == 0)
         s->carried = find_carried(s);
-    return real_min(enough, UNDONE * s->carried);
+    return real_min(enough, part * s->carried);
 }
 
 /* §5: what contacts are in balance with at the end, until the jump replaces it:
