@@ -17,18 +17,38 @@ EXIT = "<exit>"
 MOST_STEPS, MOST_DEPTH = 60000, 400
 
 
+class Bytes(dict):
+    """base → byte → cell (Memory). Copies share the cells of a base until one of them
+    writes there; `own` has the bases whose cells are in no other."""
+
+    def __init__(self, other=()):
+        super().__init__(other)
+        self.own = set()
+
+    def copy(self):
+        self.own.clear()
+        return Bytes(self)
+
+    def cells(self, base):
+        """The cells of a base, to be written."""
+        if base not in self.own:
+            self[base] = dict(self.get(base, {}))
+            self.own.add(base)
+        return self[base]
+
+
 class State:
     """Registers, memory, the value returned, and what the path has decided:
     condition's number to truth."""
 
     def __init__(self):
-        self.regs, self.memory, self.result, self.known = {}, {}, None, {}
+        self.regs, self.memory, self.result, self.known = {}, Bytes(), None, {}
 
     def copy(self):
         """The same, to go on from apart."""
         other = State()
         other.regs, other.known = dict(self.regs), dict(self.known)
-        other.memory = {base: dict(cells) for base, cells in self.memory.items()}
+        other.memory = self.memory.copy()
         other.result = self.result
         return other
 
@@ -152,8 +172,7 @@ class Memory:
             base, first = self.split(at)
             new = choose(condition, term, self.load_at(state, at, count)
                          ) if condition is not TRUE else term
-            cells = state.memory.setdefault(base, {})
-            cells.update({first + k: (new, k) for k in range(count)})
+            state.memory.cells(base).update({first + k: (new, k) for k in range(count)})
 
     def copy(self, state, to, source, count):
         """Copies so many bytes, each with the term that it is of."""
@@ -169,25 +188,22 @@ class Memory:
         found = [cells.get(first + k) or self.initial(base, first + k)
                  for k in range(count)]
         base, first = self.split(tos[0][1])
-        state.memory.setdefault(base, {}).update(
-            (first + k, cell) for k, cell in enumerate(found))
+        state.memory.cells(base).update((first + k, cell) for k, cell in enumerate(found))
 
     def merge_base(self, condition, base, a, b):
         """The bytes of two paths, in pieces as long as the longer of both sides'."""
         ours, theirs = a.memory.get(base, {}), b.memory.get(base, {})
-        merged = {}
-        for byte in sorted(ours.keys() | theirs.keys()):
-            if byte in merged:
+        merged, done = {**ours, **theirs}, set()
+        for byte in sorted(k for k in merged if ours.get(k) != theirs.get(k)):
+            if byte in done:
                 continue
-            x, y = ours.get(byte), theirs.get(byte)
-            if x == y:
-                merged[byte] = x
-                continue
-            count = max(cell[0].sort[1] // 8 - cell[1] for cell in (x, y) if cell)
+            cells = [cell for cell in (ours.get(byte), theirs.get(byte)) if cell]
+            count = max(cell[0].sort[1] // 8 - cell[1] for cell in cells)
             at = words.add(base, words.const(64, byte))
             term = choose(condition, *(self.load_at(state, at, count)
                                        for state in (a, b)))
             merged.update((byte + k, (term, k)) for k in range(count))
+            done.update(range(byte, byte + count))
         return merged
 
     def merge(self, condition, a, b):
@@ -196,8 +212,11 @@ class Memory:
         for register in {**a.regs, **b.regs}:
             state.regs[register] = merge_values(
                 condition, a.regs.get(register), b.regs.get(register))
-        for base in {**a.memory, **b.memory}:
+        state.memory = Bytes({**a.memory, **b.memory})
+        for base in [base for base in state.memory
+                     if a.memory.get(base) is not b.memory.get(base)]:
             state.memory[base] = self.merge_base(condition, base, a, b)
+            state.memory.own.add(base)
         state.result = merge_values(condition, a.result, b.result)
         state.known = {k: v for k, v in a.known.items() if b.known.get(k) == v}
         return state
