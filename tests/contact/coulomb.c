@@ -324,6 +324,7 @@ static const char *check_matrix(const struct coulomb *s,
 {
     double kappa = (double)c->kappa, most = (double)(c->friction * c->load);
     double along = c->impulse > 0 ? kappa / yield_of(s, c) : 0;
+    /* the product has 2 roundings, sum and quotient one each, here as there */
     EXPECT(fabs((double)c->stiffness_n - along) <= 8 * unit * along + least);
     EXPECT(c->stiffness_t >= 0 && c->stiffness_t <= c->kappa);
     EXPECT(most > 0 || c->stiffness_t == 0);
@@ -340,7 +341,8 @@ static const char *check_matrix(const struct coulomb *s,
             length(wide_axpy(wide_of(c->tangent), -size, wide_of(c->way)));
         EXPECT(off <= 16 * unit * most + short_);
         /* way is across n, up to the rounding of z before it was freed of its
-         * part along n */
+         * part along n, which was rounding itself: 3 of n·z and 2 of its
+         * removal, of way 2, and |n|² is 1 within 8 units */
         double parts =
             length(wide_of(c->lambda_t)) + kappa * lack_of(s, c).size;
         double leans = fabs(wide_dot(wide_of(c->n), wide_of(c->way)));
